@@ -1,0 +1,311 @@
+//! Content digests: 128 bits that stand for a value's content.
+//!
+//! Two values with equal digests are taken to be equal, so a type must write everything that
+//! tells its values apart. The hash is SipHash-1-3 with 128 bits of output and fixed keys: the
+//! same on every machine and in every run.
+
+use std::hash::Hasher as _;
+use std::ops::Deref;
+use std::sync::Arc;
+
+use glam::{Affine3, Mat3, Quat, Vec2, Vec3, Vec4};
+use siphasher::sip128::{Hasher128 as _, SipHasher13};
+
+/// 128 bits that stand for a value's content.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Digest(pub u128);
+
+impl Digest {
+    /// The digest of one value.
+    pub fn of<T: Content + ?Sized>(value: &T) -> Self {
+        let mut digester = Digester::new();
+        value.write(&mut digester);
+        digester.finish()
+    }
+}
+
+impl std::fmt::Debug for Digest {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{:032x}", self.0)
+    }
+}
+
+/// Something whose content can be digested.
+///
+/// Write every field that tells two values apart, each in a fixed order, with a length before
+/// anything of variable length. Floats count by their bits.
+pub trait Content {
+    /// Feeds the value's content to `digester`.
+    fn write(&self, digester: &mut Digester);
+}
+
+/// Collects content and ends in a [`Digest`].
+pub struct Digester(SipHasher13);
+
+impl Digester {
+    /// An empty digester.
+    pub fn new() -> Self {
+        Self(SipHasher13::new())
+    }
+
+    /// Adds raw bytes, without their length.
+    pub fn bytes(&mut self, bytes: &[u8]) -> &mut Self {
+        self.0.write(bytes);
+        self
+    }
+
+    /// Adds a value.
+    pub fn add<T: Content + ?Sized>(&mut self, value: &T) -> &mut Self {
+        value.write(self);
+        self
+    }
+
+    /// The digest of everything added so far.
+    pub fn finish(&self) -> Digest {
+        Digest(self.0.finish128().as_u128())
+    }
+}
+
+impl Default for Digester {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+macro_rules! content_by_bytes {
+    ($($t:ty),*) => {$(
+        impl Content for $t {
+            fn write(&self, digester: &mut Digester) {
+                digester.bytes(&self.to_le_bytes());
+            }
+        }
+    )*};
+}
+content_by_bytes!(u8, u16, u32, u64, u128, i8, i16, i32, i64, f32, f64);
+
+impl Content for usize {
+    fn write(&self, digester: &mut Digester) {
+        (*self as u64).write(digester);
+    }
+}
+
+impl Content for bool {
+    fn write(&self, digester: &mut Digester) {
+        u8::from(*self).write(digester);
+    }
+}
+
+impl Content for () {
+    fn write(&self, _: &mut Digester) {}
+}
+
+impl Content for str {
+    fn write(&self, digester: &mut Digester) {
+        self.len().write(digester);
+        digester.bytes(self.as_bytes());
+    }
+}
+
+impl Content for String {
+    fn write(&self, digester: &mut Digester) {
+        self.as_str().write(digester);
+    }
+}
+
+impl Content for Digest {
+    fn write(&self, digester: &mut Digester) {
+        self.0.write(digester);
+    }
+}
+
+impl<T: Content + ?Sized> Content for &T {
+    fn write(&self, digester: &mut Digester) {
+        (**self).write(digester);
+    }
+}
+
+impl<T: Content + ?Sized> Content for Arc<T> {
+    fn write(&self, digester: &mut Digester) {
+        (**self).write(digester);
+    }
+}
+
+impl<T: Content> Content for Option<T> {
+    fn write(&self, digester: &mut Digester) {
+        match self {
+            None => 0u8.write(digester),
+            Some(value) => {
+                1u8.write(digester);
+                value.write(digester);
+            }
+        }
+    }
+}
+
+impl<T: Content> Content for [T] {
+    fn write(&self, digester: &mut Digester) {
+        self.len().write(digester);
+        for value in self {
+            value.write(digester);
+        }
+    }
+}
+
+impl<T: Content, const N: usize> Content for [T; N] {
+    fn write(&self, digester: &mut Digester) {
+        for value in self {
+            value.write(digester);
+        }
+    }
+}
+
+impl<T: Content> Content for Vec<T> {
+    fn write(&self, digester: &mut Digester) {
+        self.as_slice().write(digester);
+    }
+}
+
+impl<A: Content, B: Content> Content for (A, B) {
+    fn write(&self, digester: &mut Digester) {
+        self.0.write(digester);
+        self.1.write(digester);
+    }
+}
+
+macro_rules! content_by_floats {
+    ($($t:ty => $n:literal),*) => {$(
+        impl Content for $t {
+            fn write(&self, digester: &mut Digester) {
+                let floats: [f32; $n] = self.to_array();
+                let mut bytes = [0; $n * 4];
+                for (chunk, float) in bytes.chunks_exact_mut(4).zip(floats) {
+                    chunk.copy_from_slice(&float.to_le_bytes());
+                }
+                digester.bytes(&bytes);
+            }
+        }
+    )*};
+}
+content_by_floats!(Vec2 => 2, Vec3 => 3, Vec4 => 4, Quat => 4);
+
+impl Content for Mat3 {
+    fn write(&self, digester: &mut Digester) {
+        self.x_axis.write(digester);
+        self.y_axis.write(digester);
+        self.z_axis.write(digester);
+    }
+}
+
+impl Content for Affine3 {
+    fn write(&self, digester: &mut Digester) {
+        self.matrix3.write(digester);
+        self.translation.write(digester);
+    }
+}
+
+/// A shared value together with its digest, taken once.
+///
+/// Use it for content that travels through several components: the bytes are digested when the
+/// value is made, and never again.
+pub struct Shared<T>(Arc<(Digest, T)>);
+
+impl<T: Content> Shared<T> {
+    /// Shares `value`; costs one pass over its content.
+    pub fn new(value: T) -> Self {
+        Self(Arc::new((Digest::of(&value), value)))
+    }
+}
+
+impl<T> Shared<T> {
+    /// Shares `value` under a digest that the caller vouches for: equal digests must mean equal
+    /// values. Costs nothing, for values that follow from something digested already.
+    pub fn with_digest(digest: Digest, value: T) -> Self {
+        Self(Arc::new((digest, value)))
+    }
+
+    /// The digest of the value.
+    pub fn digest(&self) -> Digest {
+        self.0.0
+    }
+}
+
+impl<T> Clone for Shared<T> {
+    fn clone(&self) -> Self {
+        Self(Arc::clone(&self.0))
+    }
+}
+
+impl<T> Deref for Shared<T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        &self.0.1
+    }
+}
+
+impl<T> Content for Shared<T> {
+    fn write(&self, digester: &mut Digester) {
+        self.0.0.write(digester);
+    }
+}
+
+impl<T> PartialEq for Shared<T> {
+    fn eq(&self, other: &Self) -> bool {
+        self.0.0 == other.0.0
+    }
+}
+
+impl<T: std::fmt::Debug> std::fmt::Debug for Shared<T> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.0.1.fmt(f)
+    }
+}
+
+/// Implements [`Content`] for a struct by writing the listed fields in order.
+///
+/// ```
+/// use sapwood_geom::{content, Digest};
+/// struct Pole { height: f32, radius: f32 }
+/// content!(Pole { height, radius });
+/// assert_ne!(
+///     Digest::of(&Pole { height: 1.0, radius: 0.1 }),
+///     Digest::of(&Pole { height: 0.1, radius: 1.0 }),
+/// );
+/// ```
+#[macro_export]
+macro_rules! content {
+    ($t:ty { $($field:ident),* $(,)? }) => {
+        impl $crate::Content for $t {
+            fn write(&self, digester: &mut $crate::Digester) {
+                // A field added to the type and not to the list fails to compile here.
+                let Self { $($field),* } = self;
+                $($crate::Content::write($field, digester);)*
+                let _ = digester;
+            }
+        }
+    };
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_keep_neighbours_apart() {
+        assert_ne!(Digest::of(&vec![vec![1u8], vec![]]), Digest::of(&vec![vec![], vec![1u8]]));
+        assert_ne!(Digest::of(&("ab", "c")), Digest::of(&("a", "bc")));
+    }
+
+    #[test]
+    fn shared_content_counts_by_value() {
+        let (a, b) = (Shared::new(vec![1u32, 2]), Shared::new(vec![1u32, 2]));
+        assert_eq!(a, b);
+        assert_ne!(a, Shared::new(vec![1u32, 3]));
+    }
+
+    #[test]
+    fn digests_are_the_same_in_every_run() {
+        assert_eq!(format!("{:?}", Digest::of(&1.5f32)).len(), 32);
+        assert_eq!(Digest::of("sapwood"), Digest::of(&String::from("sapwood")));
+    }
+}

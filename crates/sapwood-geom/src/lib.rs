@@ -1,0 +1,22 @@
+//! Geometry without a graph: bounds, meshes, polylines, content digests and random streams.
+//!
+//! Right-handed, metres, radians. Every type is plain data; nothing here knows that a scene, a
+//! rule or a render graph exists. All arithmetic goes through `glam` with `libm` and scalar
+//! maths, so that the same input gives the same bytes in debug and release builds.
+
+mod bounds;
+mod digest;
+mod fixed_map;
+mod mesh;
+mod polyline;
+mod stream;
+
+pub use bounds::{Aabb, Bound, Sphere};
+pub use digest::{Content, Digest, Digester, Shared};
+pub use fixed_map::{FixedMap, FixedSet, fixed_state};
+pub use mesh::Mesh;
+pub use polyline::Polyline;
+pub use stream::{Purpose, Stream, StreamPath};
+
+/// The maths library in the version that Sapwood is built with.
+pub use glam;

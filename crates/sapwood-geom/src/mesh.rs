@@ -1,0 +1,149 @@
+//! Indexed triangle meshes.
+
+use glam::{Affine3, Vec2, Vec3};
+
+use crate::{Bound, Content, Digester};
+
+/// An indexed triangle mesh with a normal and a texture coordinate for every vertex.
+///
+/// Triangles wind counter-clockwise seen from outside; normals have unit length. Texture
+/// coordinates follow glTF: `v` grows downwards in the image.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// Vertex positions in metres.
+    pub positions: Vec<Vec3>,
+    /// Unit normals, one for each position.
+    pub normals: Vec<Vec3>,
+    /// Texture coordinates, one for each position.
+    pub uvs: Vec<Vec2>,
+    /// Three vertex numbers for each triangle.
+    pub indices: Vec<u32>,
+}
+
+impl Mesh {
+    /// Number of triangles.
+    pub fn n_triangles(&self) -> usize {
+        self.indices.len() / 3
+    }
+
+    /// Number of vertices.
+    pub fn n_vertices(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Whether the mesh has no triangle.
+    pub fn is_empty(&self) -> bool {
+        self.indices.is_empty()
+    }
+
+    /// The bound of all positions; costs one pass over them.
+    pub fn bound(&self) -> Bound {
+        Bound::of_points(self.positions.iter().copied())
+    }
+
+    /// Adds the triangles of `other` after `transform`.
+    ///
+    /// Normals are turned by the inverse transpose; where the transform mirrors, the winding is
+    /// turned round too.
+    ///
+    /// # Panics
+    /// Where the vertices together exceed what a 32-bit index can number.
+    pub fn append(&mut self, other: &Mesh, transform: &Affine3) {
+        let first = u32::try_from(self.positions.len() + other.positions.len())
+            .map(|_| self.positions.len() as u32)
+            .expect("a mesh has fewer than 2^32 vertices");
+        let to_normal = transform.matrix3.inverse().transpose();
+        self.positions.extend(other.positions.iter().map(|p| transform.transform_point3(*p)));
+        self.normals.extend(other.normals.iter().map(|n| (to_normal * *n).normalize_or(*n)));
+        self.uvs.extend_from_slice(&other.uvs);
+        let mirrors = transform.matrix3.determinant() < 0.0;
+        for triangle in other.indices.chunks_exact(3) {
+            let [a, b, c] = [triangle[0] + first, triangle[1] + first, triangle[2] + first];
+            self.indices.extend(if mirrors { [a, c, b] } else { [a, b, c] });
+        }
+    }
+
+    /// The first fault found, in words, or nothing: lengths agree, indices are in range,
+    /// everything is finite, normals have unit length and no triangle is degenerate.
+    ///
+    /// A triangle is degenerate when two of its corners are the same vertex or its height over
+    /// its longest edge is below a millionth of that edge.
+    pub fn fault(&self) -> Option<String> {
+        let n = self.positions.len();
+        if self.normals.len() != n || self.uvs.len() != n {
+            return Some(format!(
+                "{n} positions, {} normals, {} texture coordinates",
+                self.normals.len(),
+                self.uvs.len()
+            ));
+        }
+        if !self.indices.len().is_multiple_of(3) {
+            return Some(format!("{} indices are not triangles", self.indices.len()));
+        }
+        if let Some(index) = self.indices.iter().find(|index| **index as usize >= n) {
+            return Some(format!("index {index} of {n} vertices"));
+        }
+        for i in 0..n {
+            let finite = self.positions[i].is_finite() && self.uvs[i].is_finite();
+            let unit = (self.normals[i].length() - 1.0).abs() <= 1e-3;
+            if !(finite && unit) {
+                return Some(format!(
+                    "vertex {i}: {} {} {}",
+                    self.positions[i], self.normals[i], self.uvs[i]
+                ));
+            }
+        }
+        self.indices.chunks_exact(3).enumerate().find_map(|(number, t)| {
+            let [a, b, c] = [t[0], t[1], t[2]].map(|i| self.positions[i as usize]);
+            let longest = (b - a).length().max((c - b).length()).max((a - c).length());
+            let doubled_area = (b - a).cross(c - a).length();
+            (doubled_area <= 1e-6 * longest * longest)
+                .then(|| format!("triangle {number} is degenerate: {a} {b} {c}"))
+        })
+    }
+}
+
+impl Content for Mesh {
+    fn write(&self, digester: &mut Digester) {
+        self.positions.write(digester);
+        self.normals.write(digester);
+        self.uvs.write(digester);
+        self.indices.write(digester);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn triangle() -> Mesh {
+        Mesh {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+            normals: vec![Vec3::Z; 3],
+            uvs: vec![Vec2::ZERO, Vec2::X, Vec2::Y],
+            indices: vec![0, 1, 2],
+        }
+    }
+
+    #[test]
+    fn a_mirrored_triangle_keeps_facing_its_normal() {
+        let mut mesh = Mesh::default();
+        mesh.append(&triangle(), &Affine3::from_scale(Vec3::new(-1.0, 1.0, 1.0)));
+        let [a, b, c] = [0, 1, 2].map(|i| mesh.positions[mesh.indices[i] as usize]);
+        assert!((b - a).cross(c - a).dot(mesh.normals[0]) > 0.0);
+        assert_eq!(mesh.fault(), None);
+    }
+
+    #[test]
+    fn faults_are_named() {
+        let mut mesh = triangle();
+        mesh.indices[2] = 3;
+        assert_eq!(mesh.fault().as_deref(), Some("index 3 of 3 vertices"));
+        let mut mesh = triangle();
+        mesh.positions[2] = Vec3::new(2.0, 0.0, 0.0);
+        assert!(mesh.fault().is_some_and(|fault| fault.contains("degenerate")));
+        let mut mesh = triangle();
+        mesh.normals[1] = Vec3::NAN;
+        assert!(mesh.fault().is_some_and(|fault| fault.starts_with("vertex 1")));
+    }
+}

@@ -1,0 +1,1 @@
+//! The tree model of Weber and Penn (SIGGRAPH 95), complete.
