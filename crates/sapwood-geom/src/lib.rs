@@ -9,14 +9,18 @@ mod digest;
 mod fixed_map;
 mod mesh;
 mod polyline;
+mod section;
 mod stream;
+mod sweep;
 
 pub use bounds::{Aabb, Bound, Sphere};
 pub use digest::{Content, Digest, Digester, Shared};
 pub use fixed_map::{FixedMap, FixedSet, fixed_state};
 pub use mesh::Mesh;
 pub use polyline::Polyline;
+pub use section::Section;
 pub use stream::{Purpose, Stream, StreamPath};
+pub use sweep::{Cap, Ring, Sweep, SweepOptions, SweepStart};
 
 /// The maths library in the version that Sapwood is built with.
 pub use glam;
