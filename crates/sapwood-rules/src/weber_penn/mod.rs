@@ -1,1 +1,21 @@
 //! The tree model of Weber and Penn (SIGGRAPH 95), complete.
+//!
+//! A [`Species`] holds the parameters as files write them; [`Crown`], [`Level`], [`LeafParams`]
+//! and [`TrunkForm`] are what growth reads of them. Growth is pure functions from a parent's
+//! facts to stems, segments and leaves, and needs no scene.
+
+mod choices;
+mod frame;
+mod keys;
+mod params;
+mod shape_ratio;
+mod species;
+mod stem;
+mod taper;
+
+pub use choices::{CrownShape, Dialect, LeafShape, LeafTarget, Origin, Target, Variation};
+pub use frame::Frame;
+pub use keys::{Accepted, Fault, Key, Value, key, keys};
+pub use params::{Crown, Envelope, LeafParams, Level, TrunkForm};
+pub use species::{LeavesSpec, LevelSpec, PruningSpec, Species, TreeGenExt, TrunkSpec};
+pub use stem::{Leaf, Segment, Stem, StemSeed, Stems};

@@ -1,0 +1,715 @@
+//! The table of keys: what a species file may say, and which values are accepted where.
+//!
+//! One row per key, in the order in which a file is written. Reading text is left to others: they
+//! look a key up by its dotted name, hand it a [`Value`], and report the [`Fault`] at the place
+//! they know. A species built in code is checked by [`Species::faults`].
+
+use std::fmt;
+
+use super::choices::{CrownShape, Dialect, LeafShape, LeafTarget, Origin, Target, Variation};
+use super::species::{Species, TreeGenExt};
+
+/// A value as files can hold it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// A number.
+    Number(f32),
+    /// A whole number.
+    Whole(i64),
+    /// Text.
+    Text(String),
+    /// A list of texts.
+    Texts(Vec<String>),
+    /// A list of numbers; as a target, a direction.
+    Numbers(Vec<f32>),
+    /// A point, written `{ point = [x, y, z] }`.
+    Point([f32; 3]),
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Number(number) => write!(f, "{number}"),
+            Self::Whole(number) => write!(f, "{number}"),
+            Self::Text(text) => write!(f, "{text:?}"),
+            Self::Texts(texts) => write!(f, "{texts:?}"),
+            Self::Numbers(numbers) => write!(f, "{numbers:?}"),
+            Self::Point(point) => write!(f, "{{ point = {point:?} }}"),
+        }
+    }
+}
+
+/// The values that a key accepts; numbers must be finite besides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Accepted {
+    /// A number from `min` to `max`, either end of which may be left out of the range.
+    Number {
+        /// The least number, or minus infinity.
+        min: f32,
+        /// Whether `min` itself is too small.
+        above_min: bool,
+        /// The greatest number, or infinity.
+        max: f32,
+        /// Whether `max` itself is too great.
+        below_max: bool,
+    },
+    /// A whole number from `min` to `max`, both accepted.
+    Whole {
+        /// The least number.
+        min: i64,
+        /// The greatest number.
+        max: i64,
+    },
+    /// Any text.
+    Text,
+    /// A list of texts.
+    Texts,
+    /// One of these names.
+    Names(&'static [&'static str]),
+    /// A list of this many numbers, each from `min` to `max`.
+    Numbers {
+        /// How many.
+        len: usize,
+        /// The least number, or minus infinity.
+        min: f32,
+        /// The greatest number, or infinity.
+        max: f32,
+    },
+    /// A name of a leaf shape.
+    LeafShape,
+    /// `"up"`, a direction or a point.
+    Target,
+    /// `"outward"`, `"scattered"`, a direction or a point.
+    LeafTarget,
+}
+
+impl Accepted {
+    /// Whether `value` is accepted. `origin` matters for names of leaf shapes only.
+    ///
+    /// A whole number is accepted as a number, and a number without a fraction as a whole one.
+    pub fn accepts(&self, value: &Value, origin: Origin) -> bool {
+        match self {
+            Self::Number { min, above_min, max, below_max } => number(value).is_some_and(|x| {
+                x.is_finite()
+                    && (x > *min || !above_min && x == *min)
+                    && (x < *max || !below_max && x == *max)
+            }),
+            Self::Whole { min, max } => whole(value).is_some_and(|x| (*min..=*max).contains(&x)),
+            Self::Text => matches!(value, Value::Text(_)),
+            Self::Texts => matches!(value, Value::Texts(_)),
+            Self::Names(names) => {
+                matches!(value, Value::Text(name) if names.contains(&name.as_str()))
+            }
+            Self::Numbers { len, min, max } => matches!(value, Value::Numbers(numbers)
+                if numbers.len() == *len
+                    && numbers.iter().all(|x| x.is_finite() && min <= x && x <= max)),
+            Self::LeafShape => matches!(value, Value::Text(name)
+                if LeafShape::from_name(name, origin).is_some()),
+            Self::Target => Target::from_value(value).is_some(),
+            Self::LeafTarget => LeafTarget::from_value(value).is_some(),
+        }
+    }
+}
+
+impl fmt::Display for Accepted {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Number { min, above_min, max, below_max } => {
+                let low = if above_min { "above" } else { "at least" };
+                let high = if below_max { "below" } else { "at most" };
+                match (min.is_finite(), max.is_finite()) {
+                    (false, false) => write!(f, "any finite number"),
+                    (true, false) => write!(f, "a number {low} {min}"),
+                    (false, true) => write!(f, "a number {high} {max}"),
+                    (true, true) => write!(f, "a number {low} {min} and {high} {max}"),
+                }
+            }
+            Self::Whole { min, max } if max >= i64::from(i32::MAX) => {
+                if min <= i64::from(i32::MIN) {
+                    write!(f, "a whole number")
+                } else {
+                    write!(f, "a whole number, at least {min}")
+                }
+            }
+            Self::Whole { min, max } => write!(f, "a whole number from {min} to {max}"),
+            Self::Text => write!(f, "a text"),
+            Self::Texts => write!(f, "a list of texts"),
+            Self::Names(names) => {
+                write!(f, "one of")?;
+                names.iter().enumerate().try_for_each(|(i, name)| {
+                    write!(f, "{} {name:?}", if i == 0 { "" } else { "," })
+                })
+            }
+            Self::Numbers { len, min, max } => {
+                write!(f, "a list of {len} numbers")?;
+                match (min.is_finite(), max.is_finite()) {
+                    (false, false) => Ok(()),
+                    (true, false) => write!(f, ", each at least {min}"),
+                    (_, true) => write!(f, ", each from {min} to {max}"),
+                }
+            }
+            Self::LeafShape => {
+                write!(f, "the name of a leaf shape:")?;
+                LeafShape::NAMES.iter().try_for_each(|(name, _)| write!(f, " {name:?},"))?;
+                write!(f, " \"disc:K\" (K from 3 to 1000), \"tree_gen:0\" to \"tree_gen:10\"")
+            }
+            Self::Target => write!(f, "\"up\", a direction [x, y, z] or {{ point = [x, y, z] }}"),
+            Self::LeafTarget => write!(
+                f,
+                "\"outward\", \"scattered\", a direction [x, y, z] or {{ point = [x, y, z] }}"
+            ),
+        }
+    }
+}
+
+/// A value that its key does not accept.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fault {
+    /// The dotted name of the key.
+    pub key: &'static str,
+    /// The value.
+    pub value: Value,
+    /// What would have been accepted.
+    pub accepted: Accepted,
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} is {}; accepted: {}", self.key, self.value, self.accepted)
+    }
+}
+
+impl std::error::Error for Fault {}
+
+/// A key of a species file.
+pub struct Key {
+    name: &'static str,
+    accepted: Accepted,
+    // What files of that origin, or species of that dialect, may say instead.
+    in_arbaro: Option<Accepted>,
+    in_tree_gen: Option<Accepted>,
+    get: fn(&Species) -> Option<Value>,
+    set: fn(&mut Species, &Value) -> Option<()>,
+}
+
+impl Key {
+    /// The dotted name, such as `level.2.down_angle`.
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// What the key accepts in a species of this origin and dialect.
+    pub fn accepted(&self, origin: Origin, dialect: Dialect) -> Accepted {
+        let tree_gen = origin == Origin::TreeGen || dialect == Dialect::TreeGen;
+        let arbaro = origin == Origin::Arbaro || dialect == Dialect::Arbaro;
+        let own = if tree_gen { self.in_tree_gen } else { None };
+        own.or(if arbaro { self.in_arbaro } else { None }).unwrap_or(self.accepted)
+    }
+
+    /// The value in `species`; `None` where an optional key is absent.
+    pub fn get(&self, species: &Species) -> Option<Value> {
+        (self.get)(species)
+    }
+
+    /// Sets the value in `species`, or says why not.
+    ///
+    /// Set `origin` and `dialect` before all else, for they decide what other keys accept.
+    pub fn set(&self, species: &mut Species, value: &Value) -> Result<(), Fault> {
+        let accepted = self.accepted(species.origin, species.effective_dialect());
+        if accepted.accepts(value, species.origin) {
+            let shape = match (accepted, value) {
+                (Accepted::LeafShape, Value::Text(name)) => {
+                    LeafShape::from_name(name, species.origin).and_then(|shape| shape.to_value())
+                }
+                _ => None,
+            };
+            if (self.set)(species, shape.as_ref().unwrap_or(value)).is_some() {
+                return Ok(());
+            }
+        }
+        Err(Fault { key: self.name, value: value.clone(), accepted })
+    }
+}
+
+impl fmt::Debug for Key {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Key").field(&self.name).finish()
+    }
+}
+
+/// All keys, in the order in which a file is written.
+pub fn keys() -> &'static [Key] {
+    KEYS
+}
+
+/// The key of this dotted name.
+pub fn key(name: &str) -> Option<&'static Key> {
+    KEYS.iter().find(|key| key.name == name)
+}
+
+impl Species {
+    /// The values that their keys do not accept, in the order of the table.
+    pub fn faults(&self) -> Vec<Fault> {
+        let dialect = self.effective_dialect();
+        let fault = |key: &Key| {
+            let (value, accepted) = (key.get(self)?, key.accepted(self.origin, dialect));
+            let fine = accepted.accepts(&value, self.origin);
+            (!fine).then_some(Fault { key: key.name, value, accepted })
+        };
+        KEYS.iter().filter_map(fault).collect()
+    }
+}
+
+fn number(value: &Value) -> Option<f32> {
+    match value {
+        Value::Number(x) => Some(*x),
+        Value::Whole(x) => Some(*x as f32),
+        _ => None,
+    }
+}
+
+fn whole(value: &Value) -> Option<i64> {
+    match value {
+        Value::Whole(x) => Some(*x),
+        // The cast saturates; what it cannot hold lies outside every range of the table.
+        Value::Number(x) if x.is_finite() && x.trunc() == *x => Some(*x as i64),
+        _ => None,
+    }
+}
+
+fn vector(numbers: &[f32]) -> Option<glam::Vec3> {
+    let array: [f32; 3] = numbers.try_into().ok()?;
+    array.iter().all(|x| x.is_finite()).then_some(array.into())
+}
+
+fn direction(value: &Value) -> Option<glam::Vec3> {
+    let Value::Numbers(numbers) = value else { return None };
+    // A square that underflows or overflows leaves no direction to turn to.
+    vector(numbers).filter(|v| v.length_squared() > 0.0 && v.length_squared().is_finite())
+}
+
+/// A field of a species that a key can read and write.
+trait Field: Sized {
+    fn to_value(&self) -> Option<Value>;
+    fn from_value(value: &Value) -> Option<Self>;
+}
+
+impl Field for f32 {
+    fn to_value(&self) -> Option<Value> {
+        Some(Value::Number(*self))
+    }
+    fn from_value(value: &Value) -> Option<Self> {
+        number(value)
+    }
+}
+
+macro_rules! whole_field {
+    ($($t:ty),*) => {$(
+        impl Field for $t {
+            fn to_value(&self) -> Option<Value> {
+                Some(Value::Whole(i64::from(*self)))
+            }
+            fn from_value(value: &Value) -> Option<Self> {
+                whole(value)?.try_into().ok()
+            }
+        }
+    )*};
+}
+whole_field!(i32, u32);
+
+impl Field for String {
+    fn to_value(&self) -> Option<Value> {
+        Some(Value::Text(self.clone()))
+    }
+    fn from_value(value: &Value) -> Option<Self> {
+        match value {
+            Value::Text(text) => Some(text.clone()),
+            _ => None,
+        }
+    }
+}
+
+impl Field for Vec<String> {
+    fn to_value(&self) -> Option<Value> {
+        Some(Value::Texts(self.clone()))
+    }
+    fn from_value(value: &Value) -> Option<Self> {
+        match value {
+            Value::Texts(texts) => Some(texts.clone()),
+            _ => None,
+        }
+    }
+}
+
+impl<const N: usize> Field for [f32; N] {
+    fn to_value(&self) -> Option<Value> {
+        Some(Value::Numbers(self.to_vec()))
+    }
+    fn from_value(value: &Value) -> Option<Self> {
+        match value {
+            Value::Numbers(numbers) => numbers.as_slice().try_into().ok(),
+            _ => None,
+        }
+    }
+}
+
+impl<T: Field> Field for Option<T> {
+    fn to_value(&self) -> Option<Value> {
+        self.as_ref().and_then(Field::to_value)
+    }
+    fn from_value(value: &Value) -> Option<Self> {
+        T::from_value(value).map(Some)
+    }
+}
+
+macro_rules! name_field {
+    ($($t:ty),*) => {$(
+        impl Field for $t {
+            fn to_value(&self) -> Option<Value> {
+                Some(Value::Text(self.name().into()))
+            }
+            fn from_value(value: &Value) -> Option<Self> {
+                match value {
+                    Value::Text(name) => Self::from_name(name),
+                    _ => None,
+                }
+            }
+        }
+    )*};
+}
+name_field!(Origin, Dialect, Variation);
+
+impl Field for CrownShape {
+    fn to_value(&self) -> Option<Value> {
+        Some(Value::Whole(i64::from(self.index())))
+    }
+    fn from_value(value: &Value) -> Option<Self> {
+        Self::from_index(whole(value)?)
+    }
+}
+
+impl Field for LeafShape {
+    fn to_value(&self) -> Option<Value> {
+        Some(Value::Text(self.name().into_owned()))
+    }
+    // Names that depend on the origin have been made canonical by `Key::set`.
+    fn from_value(value: &Value) -> Option<Self> {
+        match value {
+            Value::Text(name) => Self::from_name(name, Origin::Paper),
+            _ => None,
+        }
+    }
+}
+
+impl Field for Target {
+    fn to_value(&self) -> Option<Value> {
+        Some(match self {
+            Self::Up => Value::Text("up".into()),
+            Self::Direction(v) => Value::Numbers(v.to_array().to_vec()),
+            Self::Point(v) => Value::Point(v.to_array()),
+        })
+    }
+    fn from_value(value: &Value) -> Option<Self> {
+        match value {
+            Value::Text(name) if name == "up" => Some(Self::Up),
+            Value::Point(point) => vector(point).map(Self::Point),
+            _ => direction(value).map(Self::Direction),
+        }
+    }
+}
+
+impl Field for LeafTarget {
+    fn to_value(&self) -> Option<Value> {
+        Some(match self {
+            Self::Outward => Value::Text("outward".into()),
+            Self::Scattered => Value::Text("scattered".into()),
+            Self::Direction(v) => Value::Numbers(v.to_array().to_vec()),
+            Self::Point(v) => Value::Point(v.to_array()),
+        })
+    }
+    fn from_value(value: &Value) -> Option<Self> {
+        match value {
+            Value::Text(name) if name == "outward" => Some(Self::Outward),
+            Value::Text(name) if name == "scattered" => Some(Self::Scattered),
+            Value::Point(point) => vector(point).map(Self::Point),
+            _ => direction(value).map(Self::Direction),
+        }
+    }
+}
+
+const INF: f32 = f32::INFINITY;
+const ANY: Accepted = at_least(-INF);
+const ANY_WHOLE: Accepted = whole_from(i32::MIN as i64, i32::MAX as i64);
+const COUNT: Accepted = whole_from(0, i32::MAX as i64);
+const ABOVE_ZERO: Accepted =
+    Accepted::Number { min: 0.0, above_min: true, max: INF, below_max: false };
+const ANGLE: Accepted = range(-180.0, 180.0);
+const TURN: Accepted = range(-360.0, 360.0);
+const SHARE: Accepted = range(0.0, 1.0);
+const TAPER: Accepted = Accepted::Number { min: 0.0, above_min: false, max: 3.0, below_max: true };
+const QUALITY: Accepted =
+    Accepted::Number { min: 0.0, above_min: true, max: 1.0, below_max: false };
+
+const fn range(min: f32, max: f32) -> Accepted {
+    Accepted::Number { min, above_min: false, max, below_max: false }
+}
+
+const fn at_least(min: f32) -> Accepted {
+    range(min, INF)
+}
+
+const fn whole_from(min: i64, max: i64) -> Accepted {
+    Accepted::Whole { min, max }
+}
+
+const fn list(len: usize, min: f32, max: f32) -> Accepted {
+    Accepted::Numbers { len, min, max }
+}
+
+const fn or(wider: Accepted) -> Option<Accepted> {
+    Some(wider)
+}
+
+macro_rules! row {
+    ($name:expr, $accepted:expr, $arbaro:expr, $tree_gen:expr, $($field:tt)+) => {
+        Key {
+            name: $name,
+            accepted: $accepted,
+            in_arbaro: $arbaro,
+            in_tree_gen: $tree_gen,
+            get: |species| species.$($field)+.to_value(),
+            set: |species, value| {
+                species.$($field)+ = Field::from_value(value)?;
+                Some(())
+            },
+        }
+    };
+}
+
+macro_rules! ext_row {
+    ($name:expr, $accepted:expr, $field:ident) => {
+        Key {
+            name: $name,
+            accepted: $accepted,
+            in_arbaro: None,
+            in_tree_gen: None,
+            get: |species| species.ext.as_ref()?.$field.to_value(),
+            set: |species, value| {
+                let field = Field::from_value(value)?;
+                species.ext.get_or_insert_with(TreeGenExt::default).$field = field;
+                Some(())
+            },
+        }
+    };
+}
+
+macro_rules! table {
+    (
+        top: { $($key:literal: $accepted:expr, $arbaro:expr, $tree_gen:expr, ($($field:tt)+);)* }
+        level: { $($level_key:literal: $level_accepted:expr, $level_tree_gen:expr, $level_field:ident;)* }
+        ext: { $($ext_key:literal: $ext_accepted:expr, $ext_field:ident;)* }
+    ) => {
+        static KEYS: &[Key] = &[
+            $(row!($key, $accepted, $arbaro, $tree_gen, $($field)+),)*
+            $(row!(
+                concat!("level.0.", $level_key),
+                $level_accepted, None, $level_tree_gen,
+                level[0].$level_field
+            ),)*
+            row!("level.0.branch_dist", at_least(0.0), None, None, level[0].branch_dist),
+            $(row!(
+                concat!("level.1.", $level_key),
+                $level_accepted, None, $level_tree_gen,
+                level[1].$level_field
+            ),)*
+            row!("level.1.branch_dist", SHARE, None, None, level[1].branch_dist),
+            $(row!(
+                concat!("level.2.", $level_key),
+                $level_accepted, None, $level_tree_gen,
+                level[2].$level_field
+            ),)*
+            row!("level.2.branch_dist", SHARE, None, None, level[2].branch_dist),
+            $(row!(
+                concat!("level.3.", $level_key),
+                $level_accepted, None, $level_tree_gen,
+                level[3].$level_field
+            ),)*
+            row!("level.3.branch_dist", SHARE, None, None, level[3].branch_dist),
+            $(ext_row!(concat!("ext.tree_gen.", $ext_key), $ext_accepted, $ext_field),)*
+        ];
+    };
+}
+
+table! {
+    top: {
+        "name": Accepted::Text, None, None, (name);
+        "origin": Accepted::Names(Origin::NAMES), None, None, (origin);
+        "defaulted": Accepted::Texts, None, None, (defaulted);
+        "notes": Accepted::Texts, None, None, (notes);
+        "dialect": Accepted::Names(Dialect::NAMES), None, None, (dialect);
+        "variation": Accepted::Names(Variation::NAMES), None, None, (variation);
+        "attraction_target": Accepted::Target, None, None, (attraction_target);
+        "shape": whole_from(0, 8), None, None, (shape);
+        "base_size": SHARE, None, None, (base_size);
+        "scale": ABOVE_ZERO, None, None, (scale);
+        "scale_v": at_least(0.0), None, None, (scale_v);
+        "z_scale": ANY, None, None, (z_scale);
+        "z_scale_v": ANY, None, None, (z_scale_v);
+        "levels": whole_from(1, 9), or(whole_from(0, 9)), None, (levels);
+        "ratio": ABOVE_ZERO, None, None, (ratio);
+        "ratio_power": ANY, None, None, (ratio_power);
+        "lobes": COUNT, None, None, (lobes);
+        "lobe_depth": at_least(0.0), None, None, (lobe_depth);
+        "flare": at_least(-1.0), None, None, (flare);
+        "attraction_up": ANY, None, None, (attraction_up);
+        "smooth": SHARE, None, None, (smooth);
+        "trunk.scale": ABOVE_ZERO, None, None, (trunk.scale);
+        "trunk.scale_v": at_least(0.0), None, None, (trunk.scale_v);
+        "trunk.base_splits": COUNT, None, or(ANY_WHOLE), (trunk.base_splits);
+        "leaves.count": ANY_WHOLE, None, None, (leaves.count);
+        "leaves.shape": Accepted::LeafShape, None, None, (leaves.shape);
+        "leaves.scale": ABOVE_ZERO, None, None, (leaves.scale);
+        "leaves.scale_x": ABOVE_ZERO, None, None, (leaves.scale_x);
+        "leaves.bend": SHARE, None, None, (leaves.bend);
+        "leaves.stem_len": ANY, None, None, (leaves.stem_len);
+        "leaves.distrib": whole_from(0, 8), None, None, (leaves.distrib);
+        "leaves.quality": QUALITY, None, None, (leaves.quality);
+        "leaves.attraction": ANY, None, None, (leaves.attraction);
+        "leaves.target": Accepted::LeafTarget, None, None, (leaves.target);
+        "pruning.ratio": SHARE, None, None, (pruning.ratio);
+        "pruning.width": SHARE, None, None, (pruning.width);
+        "pruning.width_peak": SHARE, None, None, (pruning.width_peak);
+        "pruning.power_low": at_least(0.0), None, None, (pruning.power_low);
+        "pruning.power_high": at_least(0.0), None, None, (pruning.power_high);
+    }
+    level: {
+        "down_angle": ANGLE, None, down_angle;
+        "down_angle_v": ANGLE, None, down_angle_v;
+        "rotate": TURN, None, rotate;
+        "rotate_v": TURN, None, rotate_v;
+        "branches": ANY_WHOLE, None, branches;
+        "length": at_least(0.0), None, length;
+        "length_v": at_least(0.0), None, length_v;
+        "taper": TAPER, None, taper;
+        "seg_splits": at_least(0.0), None, seg_splits;
+        "split_angle": range(0.0, 180.0), or(ANGLE), split_angle;
+        "split_angle_v": range(0.0, 180.0), or(ANGLE), split_angle_v;
+        "curve_res": whole_from(1, i32::MAX as i64), None, curve_res;
+        "curve": ANY, None, curve;
+        "curve_back": ANY, None, curve_back;
+        "curve_v": at_least(-90.0), None, curve_v;
+    }
+    ext: {
+        "base_size": list(4, 0.0, 1.0), base_size;
+        "bend_v": list(4, -INF, INF), bend_v;
+        "branch_dist": list(4, 0.0, INF), branch_dist;
+        "radius_mod": list(4, 0.0, INF), radius_mod;
+        "tropism": list(3, -INF, INF), tropism;
+        "blossom_rate": ANY, blossom_rate;
+        "blossom_scale": ANY, blossom_scale;
+        "blossom_shape": ANY_WHOLE, blossom_shape;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_are_unique_and_found_by_name() {
+        for (i, row) in KEYS.iter().enumerate() {
+            assert!(std::ptr::eq(key(row.name).unwrap(), &KEYS[i]), "{} stands twice", row.name);
+        }
+        assert!(key("level.4.length").is_none());
+    }
+
+    #[test]
+    fn the_default_species_has_no_faults() {
+        assert_eq!(Species::default().faults(), []);
+    }
+
+    #[test]
+    fn every_key_reads_back_what_it_wrote() {
+        let mut from = Species { smooth: Some(0.25), ..Species::default() };
+        from.attraction_target = Target::Point(glam::Vec3::X);
+        from.leaves.target = LeafTarget::Direction(glam::Vec3::Y);
+        from.leaves.shape = LeafShape::Disc(7);
+        from.ext = Some(TreeGenExt { tropism: Some([0.0, 0.0, 2.0]), ..TreeGenExt::default() });
+        from.level[2].curve_v = -30.0;
+        let mut to = Species { scale: 99.0, ..Species::default() };
+        for key in keys() {
+            if let Some(value) = key.get(&from) {
+                key.set(&mut to, &value).unwrap();
+            }
+        }
+        assert_eq!(from, to);
+    }
+
+    #[test]
+    fn numbers_that_are_not_finite_are_rejected_everywhere() {
+        for key in keys() {
+            for bad in [f32::NAN, f32::INFINITY, -f32::INFINITY] {
+                let mut species = Species::default();
+                for value in [
+                    Value::Number(bad),
+                    Value::Numbers(vec![0.0, bad, 1.0]),
+                    Value::Numbers(vec![0.0, bad, 1.0, 0.0]),
+                    Value::Point([bad, 0.0, 0.0]),
+                ] {
+                    assert!(key.set(&mut species, &value).is_err(), "{} = {value}", key.name());
+                }
+                assert_eq!(species, Species::default());
+            }
+        }
+    }
+
+    #[test]
+    fn every_number_is_held_to_its_range() {
+        let check = |name: &str, accepted: &[f32], rejected: &[f32]| {
+            for (values, fine) in [(accepted, true), (rejected, false)] {
+                for value in values {
+                    let set =
+                        key(name).unwrap().set(&mut Species::default(), &Value::Number(*value));
+                    assert_eq!(set.is_ok(), fine, "{name} = {value}");
+                }
+            }
+        };
+        check("shape", &[0.0, 8.0], &[-1.0, 9.0, 0.5]);
+        check("base_size", &[0.0, 1.0], &[-0.01, 1.01]);
+        check("scale", &[0.01], &[0.0, -1.0]);
+        check("levels", &[1.0, 9.0], &[0.0, 10.0]);
+        check("flare", &[-1.0, 10.0], &[-1.01]);
+        check("lobes", &[0.0, 10.0], &[-1.0, 1e20]);
+        check("trunk.base_splits", &[0.0, 3.0], &[-2.0]);
+        check("leaves.count", &[-20.0, 400.0], &[0.5, 1e20]);
+        check("leaves.quality", &[0.01, 1.0], &[0.0, 1.01]);
+        check("level.1.taper", &[0.0, 2.999], &[-0.1, 3.0]);
+        check("level.2.curve_v", &[-90.0, 500.0], &[-90.1]);
+        check("level.3.curve_res", &[1.0], &[0.0]);
+        check("level.0.branch_dist", &[0.0, 5.0], &[-0.1]);
+        check("level.1.branch_dist", &[0.0, 1.0], &[1.1]);
+        check("level.1.split_angle", &[0.0, 180.0], &[-80.0]);
+        check("level.1.down_angle_v", &[-50.0], &[-181.0]);
+    }
+
+    #[test]
+    fn species_of_tree_gen_may_split_at_random_and_in_a_plane() {
+        let mut species = Species { origin: Origin::TreeGen, ..Species::default() };
+        species.trunk.base_splits = -2;
+        species.level[1].split_angle = -80.0;
+        assert_eq!(species.faults(), []);
+        species.origin = Origin::Paper;
+        let keys: Vec<_> = species.faults().into_iter().map(|fault| fault.key).collect();
+        assert_eq!(keys, ["trunk.base_splits", "level.1.split_angle"]);
+        species.dialect = Some(Dialect::TreeGen);
+        assert_eq!(species.faults(), []);
+    }
+
+    #[test]
+    fn a_fault_names_key_value_and_range() {
+        let fault = key("level.1.taper").unwrap();
+        let fault = fault.set(&mut Species::default(), &Value::Number(3.5)).unwrap_err();
+        let text = "level.1.taper is 3.5; accepted: a number at least 0 and below 3";
+        assert_eq!(fault.to_string(), text);
+    }
+}

@@ -1,0 +1,356 @@
+//! What growth reads, made from a species: radians, and split so that an edit reaches no more
+//! than it must.
+//!
+//! One value for the whole tree, one per level, one for the leaves and one for the trunk's
+//! surface. A parameter of the leaves changes [`LeafParams`] alone; one of level n changes the
+//! [`Level`] n alone, and the leaves if they take their angles from there.
+
+use sapwood_geom::content;
+
+use super::choices::{CrownShape, Dialect, LeafShape, LeafTarget, Target, Variation};
+use super::species::{PruningSpec, Species};
+use super::taper::flare_factor;
+
+/// What holds for the whole tree.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Crown {
+    /// Which reading of the model to grow by.
+    pub dialect: Dialect,
+    /// How `X ± V` is drawn.
+    pub variation: Variation,
+    /// Shape.
+    pub shape: CrownShape,
+    /// BaseSize, a fraction.
+    pub base_size: f32,
+    /// Scale in metres.
+    pub scale: f32,
+    /// ScaleV in metres.
+    pub scale_v: f32,
+    /// ZScale; kept, nothing reads it.
+    pub z_scale: f32,
+    /// ZScaleV; kept, nothing reads it.
+    pub z_scale_v: f32,
+    /// Levels of stems; leaves come after the last.
+    pub levels: u32,
+    /// Ratio of the trunk's radius to its length.
+    pub ratio: f32,
+    /// RatioPower.
+    pub ratio_power: f32,
+    /// AttractionUp.
+    pub attraction_up: f32,
+    /// What stems turn toward, in the world; growth takes the target in tree space.
+    pub target: Target,
+    /// tree-gen's tropism vector, present in its dialect only; replaces AttractionUp.
+    pub tropism: Option<[f32; 3]>,
+    /// The pruning envelope; also shape 8.
+    pub envelope: Envelope,
+}
+
+content!(Crown {
+    dialect,
+    variation,
+    shape,
+    base_size,
+    scale,
+    scale_v,
+    z_scale,
+    z_scale_v,
+    levels,
+    ratio,
+    ratio_power,
+    attraction_up,
+    target,
+    tropism,
+    envelope,
+});
+
+impl Crown {
+    /// The tree-wide values of a species.
+    pub fn new(species: &Species) -> Self {
+        let dialect = species.effective_dialect();
+        let ext = species.ext.as_ref().filter(|_| dialect == Dialect::TreeGen);
+        Self {
+            dialect,
+            variation: species.variation,
+            shape: species.shape,
+            base_size: species.base_size,
+            scale: species.scale,
+            scale_v: species.scale_v,
+            z_scale: species.z_scale,
+            z_scale_v: species.z_scale_v,
+            levels: species.levels,
+            ratio: species.ratio,
+            ratio_power: species.ratio_power,
+            attraction_up: species.attraction_up,
+            target: species.attraction_target,
+            tropism: ext.and_then(|ext| ext.tropism),
+            envelope: Envelope::new(&species.pruning),
+        }
+    }
+}
+
+/// The pruning envelope; lengths are fractions of the tree's size.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Envelope {
+    /// PruneRatio: 0 off, 1 fully inside.
+    pub ratio: f32,
+    /// PruneWidth: its greatest radius.
+    pub width: f32,
+    /// PruneWidthPeak: the height of its widest place.
+    pub width_peak: f32,
+    /// PrunePowerLow.
+    pub power_low: f32,
+    /// PrunePowerHigh.
+    pub power_high: f32,
+}
+
+content!(Envelope { ratio, width, width_peak, power_low, power_high });
+
+impl Envelope {
+    fn new(spec: &PruningSpec) -> Self {
+        let &PruningSpec { ratio, width, width_peak, power_low, power_high } = spec;
+        Self { ratio, width, width_peak, power_low, power_high }
+    }
+}
+
+/// What the trunk's surface reads, and the rule that keeps children inside the trunk's radius.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrunkForm {
+    /// Flare.
+    pub flare: f32,
+    /// Lobes.
+    pub lobes: u32,
+    /// LobeDepth, a fraction of the radius.
+    pub lobe_depth: f32,
+    /// The factor on the radius at the end: Arbaro's 0Scale; 1 in other dialects, which have it
+    /// in the base radius.
+    pub scale: f32,
+    /// Arbaro's 0ScaleV, the roughness of its trunk mesh; 0 in other dialects.
+    pub scale_v: f32,
+}
+
+content!(TrunkForm { flare, lobes, lobe_depth, scale, scale_v });
+
+impl TrunkForm {
+    /// The form of a species' trunk.
+    pub fn new(species: &Species) -> Self {
+        let at_the_end = species.effective_dialect() == Dialect::Arbaro;
+        Self {
+            flare: species.flare,
+            lobes: species.lobes,
+            lobe_depth: species.lobe_depth,
+            scale: if at_the_end { species.trunk.scale } else { 1.0 },
+            scale_v: if at_the_end { species.trunk.scale_v } else { 0.0 },
+        }
+    }
+
+    /// The factor on the trunk's radius at `z` (0 foot, 1 tip), averaged over the lobes.
+    pub fn factor(&self, z: f32) -> f32 {
+        self.scale * flare_factor(self.flare, z)
+    }
+
+    /// The factor on the radius toward `angle` about local z from local x.
+    pub fn lobe_factor(&self, angle: f32) -> f32 {
+        if self.lobes == 0 {
+            return 1.0;
+        }
+        1.0 + self.lobe_depth * libm::sinf(self.lobes as f32 * angle)
+    }
+}
+
+/// The parameters of one level of stems, angles in radians.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Level {
+    /// nDownAngle.
+    pub down_angle: f32,
+    /// nDownAngleV; negative: varied along the parent.
+    pub down_angle_v: f32,
+    /// nRotate; negative: alternate sides.
+    pub rotate: f32,
+    /// nRotateV.
+    pub rotate_v: f32,
+    /// nBranches; negative: a fan at the parent's tip.
+    pub branches: i32,
+    /// nBranchDist; for the trunks a radius in metres.
+    pub branch_dist: f32,
+    /// nLength.
+    pub length: f32,
+    /// nLengthV.
+    pub length_v: f32,
+    /// nTaper.
+    pub taper: f32,
+    /// nSegSplits.
+    pub seg_splits: f32,
+    /// nSplitAngle; negative in tree-gen's dialect: planar split.
+    pub split_angle: f32,
+    /// nSplitAngleV.
+    pub split_angle_v: f32,
+    /// nCurveRes, at least 1.
+    pub curve_res: u32,
+    /// nCurve.
+    pub curve: f32,
+    /// nCurveBack.
+    pub curve_back: f32,
+    /// nCurveV; negative: a helix.
+    pub curve_v: f32,
+    /// 0BaseSplits; 0 beyond the trunk.
+    pub base_splits: i32,
+    /// The factor on the base radius: 0Scale of the trunk (1 in Arbaro's dialect), tree-gen's
+    /// radius factor, else 1.
+    pub radius_scale: f32,
+    /// Its variation: 0ScaleV of the trunk, else 0.
+    pub radius_scale_v: f32,
+    /// tree-gen's branchless share of a stem of this level; 0 elsewhere, where the trunk's is
+    /// BaseSize.
+    pub base_size: f32,
+    /// tree-gen's sideways bend; 0 elsewhere.
+    pub bend_v: f32,
+}
+
+content!(Level {
+    down_angle,
+    down_angle_v,
+    rotate,
+    rotate_v,
+    branches,
+    branch_dist,
+    length,
+    length_v,
+    taper,
+    seg_splits,
+    split_angle,
+    split_angle_v,
+    curve_res,
+    curve,
+    curve_back,
+    curve_v,
+    base_splits,
+    radius_scale,
+    radius_scale_v,
+    base_size,
+    bend_v,
+});
+
+impl Level {
+    /// The parameters of level `n`; levels beyond 3 take those of 3.
+    pub fn new(species: &Species, n: usize) -> Self {
+        let n = n.min(3);
+        let spec = &species.level[n];
+        let dialect = species.effective_dialect();
+        let (trunk, arbaro) = (n == 0, dialect == Dialect::Arbaro);
+        let ext = species.ext.as_ref().filter(|_| dialect == Dialect::TreeGen);
+        let per_level = |values: Option<[f32; 4]>, absent| values.map_or(absent, |v| v[n]);
+        let scale = if trunk && !arbaro { species.trunk.scale } else { 1.0 };
+        Self {
+            down_angle: spec.down_angle.to_radians(),
+            down_angle_v: spec.down_angle_v.to_radians(),
+            rotate: spec.rotate.to_radians(),
+            rotate_v: spec.rotate_v.to_radians(),
+            branches: spec.branches,
+            branch_dist: spec.branch_dist,
+            length: spec.length,
+            length_v: spec.length_v,
+            taper: spec.taper,
+            seg_splits: spec.seg_splits,
+            split_angle: spec.split_angle.to_radians(),
+            split_angle_v: spec.split_angle_v.to_radians(),
+            curve_res: spec.curve_res.max(1),
+            curve: spec.curve.to_radians(),
+            curve_back: spec.curve_back.to_radians(),
+            curve_v: spec.curve_v.to_radians(),
+            base_splits: if trunk { species.trunk.base_splits } else { 0 },
+            radius_scale: scale * per_level(ext.and_then(|ext| ext.radius_mod), 1.0),
+            radius_scale_v: if trunk && !arbaro { species.trunk.scale_v } else { 0.0 },
+            base_size: if trunk { 0.0 } else { per_level(ext.and_then(|e| e.base_size), 0.0) },
+            bend_v: per_level(ext.and_then(|ext| ext.bend_v), 0.0).to_radians(),
+        }
+    }
+
+    /// Levels 0 to 3 of a species.
+    pub fn all(species: &Species) -> [Self; 4] {
+        std::array::from_fn(|n| Self::new(species, n))
+    }
+}
+
+/// The leaves: their own parameters, and the angles of the level after the last stems.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeafParams {
+    /// Leaves; negative: a fan at the stem's tip.
+    pub count: i32,
+    /// LeafShape.
+    pub shape: LeafShape,
+    /// LeafScale in metres.
+    pub scale: f32,
+    /// LeafScaleX, width per length.
+    pub scale_x: f32,
+    /// LeafBend, a fraction.
+    pub bend: f32,
+    /// LeafStemLen, a fraction of the leaf's length.
+    pub stem_len: f32,
+    /// LeafDistrib.
+    pub distrib: CrownShape,
+    /// LeafQuality, above 0.
+    pub quality: f32,
+    /// How strongly leaves turn toward a direction or a point.
+    pub attraction: f32,
+    /// What leaves turn toward, in the world; growth takes the target in tree space.
+    pub target: LeafTarget,
+    /// nDownAngle of the leaf level.
+    pub down_angle: f32,
+    /// nDownAngleV of the leaf level.
+    pub down_angle_v: f32,
+    /// nRotate of the leaf level; the opening angle of a fan.
+    pub rotate: f32,
+    /// nRotateV of the leaf level.
+    pub rotate_v: f32,
+}
+
+content!(LeafParams {
+    count,
+    shape,
+    scale,
+    scale_x,
+    bend,
+    stem_len,
+    distrib,
+    quality,
+    attraction,
+    target,
+    down_angle,
+    down_angle_v,
+    rotate,
+    rotate_v,
+});
+
+impl LeafParams {
+    /// The leaves of a species.
+    pub fn new(species: &Species) -> Self {
+        let (leaves, level) = (&species.leaves, &species.level[species.leaf_level()]);
+        Self {
+            count: leaves.count,
+            shape: leaves.shape,
+            scale: leaves.scale,
+            scale_x: leaves.scale_x,
+            bend: leaves.bend,
+            stem_len: leaves.stem_len,
+            distrib: leaves.distrib,
+            quality: leaves.quality,
+            attraction: leaves.attraction,
+            target: leaves.target,
+            down_angle: level.down_angle.to_radians(),
+            down_angle_v: level.down_angle_v.to_radians(),
+            rotate: level.rotate.to_radians(),
+            rotate_v: level.rotate_v.to_radians(),
+        }
+    }
+
+    /// The length of a leaf in metres; thinning by quality keeps the total area.
+    pub fn length(&self) -> f32 {
+        self.scale / self.quality.sqrt()
+    }
+
+    /// The width of a leaf in metres.
+    pub fn width(&self) -> f32 {
+        self.scale_x * self.length()
+    }
+}
