@@ -145,6 +145,12 @@ impl Bound {
         Self { aabb, sphere: Sphere { center, radius } }
     }
 
+    /// A bound of this bound's points repeated at each of `transforms`.
+    pub fn repeated(&self, transforms: &[Affine3]) -> Self {
+        let boxes = transforms.iter().map(|transform| self.aabb.transformed(transform));
+        Self::of_box(boxes.fold(Aabb::EMPTY, Aabb::union))
+    }
+
     /// Whether the bound holds no point.
     pub fn is_empty(&self) -> bool {
         self.aabb.is_empty()

@@ -6,7 +6,7 @@
 
 use std::hash::Hasher as _;
 use std::ops::Deref;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::{Affine3, Mat3, Quat, Vec2, Vec3, Vec4};
 use siphasher::sip128::{Hasher128 as _, SipHasher13};
@@ -203,29 +203,39 @@ impl Content for Affine3 {
     }
 }
 
-/// A shared value together with its digest, taken once.
+/// A shared value that takes its digest at most once.
 ///
-/// Use it for content that travels through several components: the bytes are digested when the
-/// value is made, and never again.
-pub struct Shared<T>(Arc<(Digest, T)>);
+/// Use it for content that travels through several components: the bytes are digested the first
+/// time that somebody asks, and never again.
+pub struct Shared<T>(Arc<Inner<T>>);
+
+struct Inner<T> {
+    digest: OnceLock<Digest>,
+    value: T,
+}
 
 impl<T: Content> Shared<T> {
-    /// Shares `value`; costs one pass over its content.
+    /// Shares `value`; its content is not looked at yet.
     pub fn new(value: T) -> Self {
-        Self(Arc::new((Digest::of(&value), value)))
+        Self(Arc::new(Inner { digest: OnceLock::new(), value }))
+    }
+
+    /// The digest of the value; the first call costs one pass over its content.
+    pub fn digest(&self) -> Digest {
+        *self.0.digest.get_or_init(|| Digest::of(&self.0.value))
     }
 }
 
 impl<T> Shared<T> {
     /// Shares `value` under a digest that the caller vouches for: equal digests must mean equal
-    /// values. Costs nothing, for values that follow from something digested already.
+    /// values. For values that follow from something digested already.
     pub fn with_digest(digest: Digest, value: T) -> Self {
-        Self(Arc::new((digest, value)))
+        Self(Arc::new(Inner { digest: OnceLock::from(digest), value }))
     }
 
-    /// The digest of the value.
-    pub fn digest(&self) -> Digest {
-        self.0.0
+    /// Whether both are one and the same allocation.
+    pub fn is_same(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
     }
 }
 
@@ -239,25 +249,25 @@ impl<T> Deref for Shared<T> {
     type Target = T;
 
     fn deref(&self) -> &T {
-        &self.0.1
+        &self.0.value
     }
 }
 
-impl<T> Content for Shared<T> {
+impl<T: Content> Content for Shared<T> {
     fn write(&self, digester: &mut Digester) {
-        self.0.0.write(digester);
+        self.digest().write(digester);
     }
 }
 
-impl<T> PartialEq for Shared<T> {
+impl<T: Content> PartialEq for Shared<T> {
     fn eq(&self, other: &Self) -> bool {
-        self.0.0 == other.0.0
+        self.is_same(other) || self.digest() == other.digest()
     }
 }
 
 impl<T: std::fmt::Debug> std::fmt::Debug for Shared<T> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        self.0.1.fmt(f)
+        self.0.value.fmt(f)
     }
 }
 

@@ -16,7 +16,7 @@ mod sweep;
 pub use bounds::{Aabb, Bound, Sphere};
 pub use digest::{Content, Digest, Digester, Shared};
 pub use fixed_map::{FixedMap, FixedSet, fixed_state};
-pub use mesh::Mesh;
+pub use mesh::{Mesh, SharedMesh};
 pub use polyline::Polyline;
 pub use section::Section;
 pub use stream::{Purpose, Stream, StreamPath};

@@ -1,8 +1,10 @@
 //! Indexed triangle meshes.
 
+use std::ops::Deref;
+
 use glam::{Affine3, Vec2, Vec3};
 
-use crate::{Bound, Content, Digester};
+use crate::{Bound, Content, Digester, Shared};
 
 /// An indexed triangle mesh with a normal and a texture coordinate for every vertex.
 ///
@@ -109,6 +111,54 @@ impl Content for Mesh {
         self.normals.write(digester);
         self.uvs.write(digester);
         self.indices.write(digester);
+    }
+}
+
+/// A finished mesh that many places share, with its bound taken once.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SharedMesh(Shared<Bounded>);
+
+#[derive(Debug)]
+struct Bounded {
+    mesh: Mesh,
+    bound: Bound,
+}
+
+impl Content for Bounded {
+    fn write(&self, digester: &mut Digester) {
+        self.mesh.write(digester);
+    }
+}
+
+impl SharedMesh {
+    /// Shares a finished mesh; costs one pass over its positions.
+    pub fn new(mesh: Mesh) -> Self {
+        let bound = mesh.bound();
+        Self(Shared::new(Bounded { mesh, bound }))
+    }
+
+    /// The bound of all positions.
+    pub fn bound(&self) -> &Bound {
+        &self.0.bound
+    }
+
+    /// Whether both are one and the same allocation; equal content may still lie in two.
+    pub fn is_same(&self, other: &Self) -> bool {
+        self.0.is_same(&other.0)
+    }
+}
+
+impl Deref for SharedMesh {
+    type Target = Mesh;
+
+    fn deref(&self) -> &Mesh {
+        &self.0.mesh
+    }
+}
+
+impl Content for SharedMesh {
+    fn write(&self, digester: &mut Digester) {
+        self.0.write(digester);
     }
 }
 

@@ -1,0 +1,106 @@
+//! A stable text dump of a render graph, for golden files and for reading.
+//!
+//! One line for each plan and each node, indented by depth; numbers rounded to 1e-4. What is
+//! shared is written out at every place, so that the text tells what is there and not how it
+//! happens to be stored.
+
+use std::fmt::Write as _;
+
+use sapwood_geom::glam::{Affine3, Vec3};
+
+use crate::{At, Everything, Order, RenderNode, Supply, walk};
+
+/// Everything below the root as text, at most `max_lines` lines and a note where more is left.
+pub fn dump(supply: &dyn Supply, max_lines: usize) -> String {
+    let mut text = String::new();
+    let mut n_lines = 0;
+    let (_, root) = supply.root();
+    walk(supply, Order::Pre, &Everything, &mut |at| {
+        // The root is a place to hold the view's component; it and its one deferred node are
+        // not part of the picture.
+        if at.site() == root {
+            return;
+        }
+        if let Some(line) = line(at) {
+            n_lines += 1;
+            if n_lines <= max_lines {
+                for _ in 2..at.depth() {
+                    text.push_str("  ");
+                }
+                text.push_str(&line);
+                text.push('\n');
+            }
+        }
+    });
+    if n_lines > max_lines {
+        let _ = writeln!(text, "... {} lines more", n_lines - max_lines);
+    }
+    text
+}
+
+fn line<S>(at: &At<'_, S>) -> Option<String> {
+    let plan = at.plan();
+    let mut line = match at.node() {
+        RenderNode::Group if at.enters_plan() => {
+            let mut line = plan.kind.name().to_owned();
+            for (kind, n) in plan.parts.lengths() {
+                let _ = write!(line, ", {n} {kind}");
+            }
+            if let Some(error) = plan.error {
+                let _ = write!(line, ", error: {}", error.message);
+            }
+            line
+        }
+        RenderNode::Group => "hold".to_owned(),
+        RenderNode::Transform(transform) => format!("place {}", rounded(transform)),
+        RenderNode::Live(value) => format!("live {}", rounded(&plan.live[value as usize])),
+        RenderNode::Mesh { mesh, material } => format!(
+            "mesh {} vertices {} triangles {}",
+            mesh.n_vertices(),
+            mesh.n_triangles(),
+            material.name
+        ),
+        RenderNode::Instances { mesh, material, transforms } => format!(
+            "instances {} x {} triangles {}",
+            transforms.len(),
+            mesh.n_triangles(),
+            material.name
+        ),
+        RenderNode::Lines(lines) => format!("lines {}", lines.len()),
+        RenderNode::Deferred(_) => return None,
+    };
+    if let Some(bound) = plan.fragment.drawn_bound(at.index()).filter(|bound| !bound.is_empty()) {
+        let (min, max) = (point(bound.aabb.min), point(bound.aabb.max));
+        let _ = write!(line, " ({min})..({max})");
+    }
+    Some(line)
+}
+
+fn rounded(transform: &Affine3) -> String {
+    let m = &transform.matrix3;
+    let columns = [m.x_axis, m.y_axis, m.z_axis, transform.translation].map(point);
+    format!("[{}]", columns.join(" | "))
+}
+
+fn point(v: Vec3) -> String {
+    v.to_array().map(number).join(" ")
+}
+
+/// A number rounded to 1e-4, without trailing zeros and without a negative zero.
+fn number(x: f32) -> String {
+    let rounded = (f64::from(x) * 1e4).round() / 1e4;
+    format!("{}", if rounded == 0.0 { 0.0 } else { rounded })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short_and_have_no_negative_zero() {
+        assert_eq!(number(-0.000_01), "0");
+        assert_eq!(number(1.5), "1.5");
+        assert_eq!(number(2.000_04), "2");
+        assert_eq!(point(Vec3::new(1.0, -2.25, 0.0)), "1 -2.25 0");
+    }
+}

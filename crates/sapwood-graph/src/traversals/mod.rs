@@ -1,0 +1,13 @@
+//! The built-in traversals, one file each.
+
+mod bounds;
+mod count;
+mod diagnostics;
+mod draw_list;
+mod dump;
+
+pub use bounds::fragment_bound;
+pub use count::{CountMemo, Counts, count};
+pub use diagnostics::diagnostics;
+pub use draw_list::{Body, DrawList, DrawRow, LineRow, Occurrence, TooManyRows, draw_list};
+pub use dump::dump;
