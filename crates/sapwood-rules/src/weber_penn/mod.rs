@@ -7,6 +7,7 @@
 mod choices;
 mod frame;
 mod keys;
+mod leaf_shape;
 mod params;
 mod shape_ratio;
 mod species;
@@ -16,6 +17,7 @@ mod taper;
 pub use choices::{CrownShape, Dialect, LeafShape, LeafTarget, Origin, Target, Variation};
 pub use frame::Frame;
 pub use keys::{Accepted, Fault, Key, Value, key, keys};
+pub use leaf_shape::leaf_mesh;
 pub use params::{Crown, Envelope, LeafParams, Level, TrunkForm};
 pub use species::{LeavesSpec, LevelSpec, PruningSpec, Species, TreeGenExt, TrunkSpec};
 pub use stem::{Leaf, Segment, Stem, StemSeed, Stems};
