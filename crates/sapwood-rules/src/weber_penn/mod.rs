@@ -4,20 +4,33 @@
 //! and [`TrunkForm`] are what growth reads of them. Growth is pure functions from a parent's
 //! facts to stems, segments and leaves, and needs no scene.
 
+mod attraction;
+mod children;
 mod choices;
+mod curve;
 mod frame;
+mod grow;
 mod keys;
 mod leaf_shape;
+mod leaves;
 mod params;
+mod placement;
 mod shape_ratio;
 mod species;
+mod split;
 mod stem;
 mod taper;
+mod trunks;
+mod variation;
 
+pub use children::children;
 pub use choices::{CrownShape, Dialect, LeafShape, LeafTarget, Origin, Target, Variation};
 pub use frame::Frame;
+pub use grow::grow;
 pub use keys::{Accepted, Fault, Key, Value, key, keys};
 pub use leaf_shape::leaf_mesh;
+pub use leaves::leaves;
 pub use params::{Crown, Envelope, LeafParams, Level, TrunkForm};
 pub use species::{LeavesSpec, LevelSpec, PruningSpec, Species, TreeGenExt, TrunkSpec};
 pub use stem::{Leaf, Segment, Stem, StemSeed, Stems};
+pub use trunks::trunks;

@@ -1,0 +1,161 @@
+//! Leaves on the stems of the last level (Weber and Penn 1995, sections 4.6 and 4.9).
+
+use std::f32::consts::TAU;
+
+use glam::Vec3;
+use sapwood_geom::Purpose;
+
+use super::attraction::turned_toward;
+use super::choices::LeafTarget;
+use super::frame::Frame;
+use super::params::{Crown, LeafParams};
+use super::placement::{Places, Turns, down_angle, fan_angle};
+use super::shape_ratio::shape_ratio;
+use super::stem::{Leaf, Stem, Stems};
+use super::variation::Draws;
+
+/// The leaves of `stems`, in the order of their stems and from base to tip.
+///
+/// `target` stands in tree space. `charge` is told of every leaf before memory is taken for it.
+pub fn leaves<E>(
+    stems: &Stems,
+    crown: &Crown,
+    params: &LeafParams,
+    target: &LeafTarget,
+    charge: &mut impl FnMut(usize) -> Result<(), E>,
+) -> Result<Vec<Leaf>, E> {
+    let mut leaves = Vec::new();
+    let mut turns = Turns::new(stems);
+    let (length, width) = (params.length(), params.width());
+    let petiole = params.stem_len * length;
+    for (index, stem) in stems.stems.iter().enumerate() {
+        let draws = |purpose| Draws::new(stem.seed.path, Purpose(purpose), crown.variation);
+        let mut rotations = draws("leaf rotation");
+        let mut down_angles = draws("leaf down angle");
+        let mut facing = Facing { params, target, rolls: draws("leaf roll") };
+        let mut leaf = |offset, frame: Frame| {
+            let LeafParams { down_angle: down, down_angle_v: down_v, .. } = *params;
+            let down = down_angle(down, down_v, stem, offset, crown.dialect, &mut down_angles);
+            let mut frame = facing.turned(frame.turned_x(down));
+            frame.origin += petiole * frame.axes.z_axis;
+            Leaf { frame, length, width, stem: index as u32 }
+        };
+        if params.count < 0 {
+            let count = params.count.unsigned_abs() as usize;
+            charge(count)?;
+            let tip = stems.frame_at(index, stem.seed.length);
+            for i in 0..count {
+                let angle = fan_angle(i, count, params.rotate, params.rotate_v, &mut rotations);
+                leaves.push(leaf(stem.seed.length, tip.turned_y(angle)));
+            }
+            continue;
+        }
+        let mut places =
+            Places::new(stem, n_leaves(stem, crown, params), 1.0, Purpose("leaf place"));
+        let mut turn = turns.start(stems, stem);
+        for at in stem.segment_range() {
+            let segment = &stems.segments[at];
+            let (count, slots) = places.on(segment);
+            if count > 0 {
+                charge(count)?;
+                leaves.reserve(count);
+            }
+            for i in 0..count {
+                let offset = places.offset(slots, i);
+                let angle = turn.next(params.rotate, params.rotate_v, &mut rotations);
+                let center = stems.center_in(index, segment, offset);
+                leaves.push(leaf(offset, segment.frame.at(center).turned_z(angle)));
+            }
+            turns.note(at, turn);
+        }
+    }
+    Ok(leaves)
+}
+
+/// How many leaves a stem carries if it never splits; no whole number.
+pub(crate) fn n_leaves(stem: &Stem, crown: &Crown, params: &LeafParams) -> f32 {
+    let seed = &stem.seed;
+    // A trunk has no parent; its leaves count in full.
+    let r = if seed.parent_length > 0.0 { seed.offset / seed.parent_length } else { 1.0 };
+    let ratio = shape_ratio(params.distrib, r.clamp(0.0, 1.0), &crown.envelope, crown.dialect);
+    params.count.max(0) as f32 * ratio * params.quality
+}
+
+/// Turns leaves toward the light.
+struct Facing<'a> {
+    params: &'a LeafParams,
+    target: &'a LeafTarget,
+    rolls: Draws,
+}
+
+impl Facing<'_> {
+    fn turned(&mut self, frame: Frame) -> Frame {
+        let attraction = self.params.attraction;
+        let toward = |to: Vec3| match attraction {
+            0.0 => frame,
+            _ => turned_toward(frame, frame.axes.y_axis, to.normalize_or_zero(), |angle| {
+                attraction * angle
+            }),
+        };
+        match *self.target {
+            LeafTarget::Outward => bent(frame, self.params.bend),
+            LeafTarget::Direction(direction) => toward(direction),
+            LeafTarget::Point(point) => toward(point - frame.origin),
+            LeafTarget::Scattered => frame.turned_z(self.rolls.between(0.0, TAU)),
+        }
+    }
+}
+
+/// A leaf's frame bent outward from the tree's axis, then up, by the share `b` of the angles.
+///
+/// The paper's second turn is written with an angle it does not define there; this is its
+/// intent, a turn of the normal toward the sky about a horizontal axis.
+fn bent(frame: Frame, b: f32) -> Frame {
+    if b == 0.0 {
+        return frame;
+    }
+    let (p, n) = (frame.origin, frame.axes.y_axis);
+    // The angle from n to p about tree z, in (-180, 180] degrees.
+    let theta = libm::atan2f(n.x * p.y - n.y * p.x, n.x * p.x + n.y * p.y);
+    let frame = if theta != 0.0 { frame.turned_about_tree_z(b * theta) } else { frame };
+    turned_toward(frame, frame.axes.y_axis, Vec3::Z, |phi| b * phi)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f32::consts::FRAC_PI_2;
+
+    use super::*;
+
+    fn azimuth(v: Vec3) -> f32 {
+        libm::atan2f(v.y, v.x)
+    }
+
+    #[test]
+    fn bend_closes_its_share_of_the_angle_outward_and_of_the_angle_to_the_sky() {
+        for (roll, azimuth_of_place) in [(0.3, 1.0), (2.0, -3.0), (-1.0, 2.5)] {
+            let place = Vec3::new(libm::cosf(azimuth_of_place), libm::sinf(azimuth_of_place), 2.0);
+            let leaf = Frame::IDENTITY.at(place).turned_z(roll).turned_x(0.8);
+            let turned = bent(leaf, 0.25);
+            let wrap = |a: f32| a - TAU * (a / TAU).round();
+            let (before, after) = (azimuth(leaf.axes.y_axis), azimuth(turned.axes.y_axis));
+            let theta = wrap(azimuth_of_place - before);
+            assert!(wrap(after - before - 0.25 * theta).abs() < 1e-5);
+            let (before, after) = (leaf.axes.y_axis.z.acos(), turned.axes.y_axis.z.acos());
+            assert!((after - 0.75 * before).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn a_bend_of_1_turns_hanging_leaves_up_too() {
+        let hanging = Frame::IDENTITY.at(Vec3::X).turned_x(FRAC_PI_2 + 1.0);
+        assert!((bent(hanging, 1.0).axes.y_axis.z - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn leaves_on_the_axis_and_level_leaves_are_no_trouble() {
+        for frame in [Frame::IDENTITY, Frame::IDENTITY.turned_x(FRAC_PI_2)] {
+            assert!(bent(frame, 0.7).axes.is_finite());
+        }
+    }
+}

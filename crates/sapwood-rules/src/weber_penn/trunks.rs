@@ -1,0 +1,74 @@
+//! The seeds of the trunks: the size of the tree, and where its trunks stand (Weber and Penn
+//! 1995, section 4.2; several trunks after Arbaro).
+
+use std::f32::consts::TAU;
+
+use glam::Vec3;
+use sapwood_geom::{Purpose, StreamPath};
+
+use super::children::{SHORTEST, THINNEST};
+use super::frame::Frame;
+use super::params::{Crown, Level};
+use super::placement::Turn;
+use super::stem::StemSeed;
+use super::variation::Draws;
+
+// The oak's 10 ± 10 could give a tree of no size.
+const SMALLEST: f32 = 0.05;
+
+/// The seeds of a tree's trunks; `path` is where the tree's random streams start.
+///
+/// A single trunk stands at the origin, several are scattered over a disc of radius
+/// `level.branch_dist` metres. All share one size of the tree. `charge` is told of the number
+/// before memory is taken.
+pub fn trunks<E>(
+    crown: &Crown,
+    level: &Level,
+    path: StreamPath,
+    charge: &mut impl FnMut(usize) -> Result<(), E>,
+) -> Result<Vec<StemSeed>, E> {
+    let count = if crown.levels == 0 { 0 } else { level.branches.max(0) as usize };
+    charge(count)?;
+    let draws = |purpose| Draws::new(path, Purpose(purpose), crown.variation);
+    let scale_tree = scale_tree(crown, path);
+    let (mut places, mut turn) = (draws("trunk place"), Turn::default());
+    let (mut down_angles, mut rotations) = (draws("trunk down angle"), draws("trunk rotation"));
+    let (mut lengths, mut radii) = (draws("trunk length"), draws("trunk radius"));
+    let mut seeds = Vec::with_capacity(count);
+    for key in 0..count {
+        let origin = if count > 1 {
+            let radius = level.branch_dist * places.between(0.0, 1.0).sqrt();
+            let (sin, cos) = libm::sincosf(places.between(0.0, TAU));
+            Vec3::new(radius * cos, radius * sin, 0.0)
+        } else {
+            Vec3::ZERO
+        };
+        let angle = turn.next(level.rotate, level.rotate_v, &mut rotations);
+        let down = down_angles.around(level.down_angle, level.down_angle_v);
+        let length_child_max = lengths.around(level.length, level.length_v).max(0.0);
+        let length = length_child_max * scale_tree;
+        let scale = radii.around(level.radius_scale, level.radius_scale_v).max(0.0);
+        let radius = length * crown.ratio * scale;
+        if length > SHORTEST && radius > THINNEST {
+            seeds.push(StemSeed {
+                path: path.child(key as u64),
+                level: 0,
+                frame: Frame::IDENTITY.at(origin).turned_z(angle).turned_x(down),
+                length,
+                radius,
+                offset: 0.0,
+                parent_length: 0.0,
+                parent_radius: 0.0,
+                length_child_max,
+                scale_tree,
+            });
+        }
+    }
+    Ok(seeds)
+}
+
+/// Scale ± ScaleV in metres, drawn once per tree; at least a twentieth of Scale.
+pub(crate) fn scale_tree(crown: &Crown, path: StreamPath) -> f32 {
+    let mut draws = Draws::new(path, Purpose("scale"), crown.variation);
+    draws.around(crown.scale, crown.scale_v).max(SMALLEST * crown.scale)
+}
