@@ -1,0 +1,330 @@
+//! The one error type of this crate: what is wrong, where, and what was probably meant.
+//!
+//! Messages are for the person who wrote the file; programs read [`Error::kind`].
+
+use std::fmt;
+use std::io;
+use std::path::Path;
+
+/// What a reader or a writer of files could not do.
+pub struct Error(Box<Inner>);
+
+struct Inner {
+    file: Option<String>,
+    place: Option<Place>,
+    kind: ErrorKind,
+    further: Vec<Error>,
+}
+
+/// A place in a text file; both numbers start at 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// The line.
+    pub line: usize,
+    /// The column, in characters.
+    pub column: usize,
+}
+
+/// What went wrong; new variants may come.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum ErrorKind {
+    /// The file could not be opened or read.
+    Read {
+        /// What the operating system said.
+        cause: io::Error,
+    },
+    /// The file is longer than any file of its kind needs to be.
+    TooLong {
+        /// Its length in bytes.
+        bytes: u64,
+        /// The longest that is read.
+        limit: u64,
+    },
+    /// The text is not UTF-8.
+    NotUtf8,
+    /// The text is not TOML.
+    Syntax {
+        /// What the parser met and what it expected.
+        message: String,
+    },
+    /// A key that the format does not have.
+    UnknownKey {
+        /// The key as written.
+        key: String,
+        /// The dotted name of its table; empty for the top of the file.
+        table: String,
+        /// The accepted key that is spelt most like it.
+        suggestion: Option<String>,
+    },
+    /// A table that the format does not have.
+    UnknownTable {
+        /// The dotted name as written.
+        table: String,
+        /// The accepted table that is spelt most like it.
+        suggestion: Option<String>,
+    },
+    /// A key that must be given and is not.
+    MissingKey {
+        /// The key.
+        key: String,
+        /// The dotted name of the table it belongs to; empty for the top of the file.
+        table: String,
+    },
+    /// A value of another type than the key takes.
+    WrongType {
+        /// The dotted key.
+        key: String,
+        /// What the key takes.
+        expected: String,
+        /// What was found.
+        found: String,
+    },
+    /// A number that the key does not accept.
+    OutOfRange {
+        /// The dotted key.
+        key: String,
+        /// The value as written.
+        value: String,
+        /// The accepted values.
+        accepted: String,
+    },
+    /// A name that the key does not accept.
+    UnknownName {
+        /// The dotted key.
+        key: String,
+        /// The name as written.
+        value: String,
+        /// The accepted names.
+        accepted: String,
+        /// The accepted name that is spelt most like it.
+        suggestion: Option<String>,
+    },
+    /// The file could not be written; what stood there before still does.
+    Write {
+        /// What the operating system said.
+        cause: io::Error,
+    },
+    /// Something that a file of this format cannot hold.
+    Unwritable {
+        /// The component that draws it.
+        component: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// The output would be larger than its format allows.
+    TooLarge {
+        /// The bytes it would take.
+        bytes: u64,
+        /// The most that the format allows.
+        limit: u64,
+    },
+}
+
+impl Error {
+    pub(crate) fn new(kind: ErrorKind) -> Self {
+        Self(Box::new(Inner { file: None, place: None, kind, further: Vec::new() }))
+    }
+
+    pub(crate) fn in_file(mut self, file: &str) -> Self {
+        self.0.file = Some(file.to_owned());
+        self
+    }
+
+    pub(crate) fn at(mut self, place: Place) -> Self {
+        self.0.place = Some(place);
+        self
+    }
+
+    /// The first of `errors`, with the others attached; nothing where there is none.
+    pub(crate) fn first_of(errors: Vec<Self>) -> Option<Self> {
+        let mut errors = errors.into_iter();
+        let mut first = errors.next()?;
+        first.0.further = errors.collect();
+        Some(first)
+    }
+
+    /// An error of reading the file at `path`.
+    pub(crate) fn read(path: &Path, cause: io::Error) -> Self {
+        Self::new(ErrorKind::Read { cause }).in_file(&path.display().to_string())
+    }
+
+    /// An error of writing the file at `path`.
+    pub(crate) fn write(path: &Path, cause: io::Error) -> Self {
+        Self::new(ErrorKind::Write { cause }).in_file(&path.display().to_string())
+    }
+
+    /// What went wrong.
+    pub fn kind(&self) -> &ErrorKind {
+        &self.0.kind
+    }
+
+    /// The file, by the name that the caller gave it.
+    pub fn file(&self) -> Option<&str> {
+        self.0.file.as_deref()
+    }
+
+    /// The place in the file, where the error has one.
+    pub fn place(&self) -> Option<Place> {
+        self.0.place
+    }
+
+    /// Whether the error is about output that could not be written, rather than about input.
+    pub fn is_write(&self) -> bool {
+        matches!(
+            self.0.kind,
+            ErrorKind::Write { .. } | ErrorKind::Unwritable { .. } | ErrorKind::TooLarge { .. }
+        )
+    }
+
+    /// This error and all others that were found in the same file, in the order of the file.
+    pub fn all(&self) -> impl Iterator<Item = &Error> {
+        std::iter::once(self).chain(&self.0.further)
+    }
+
+    /// The message of this error alone, on one line.
+    pub fn line(&self) -> impl fmt::Display + '_ {
+        Line(self)
+    }
+}
+
+/// One error without those that were found besides.
+struct Line<'a>(&'a Error);
+
+impl fmt::Display for Line<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let inner = &self.0.0;
+        if let Some(file) = &inner.file {
+            write!(f, "{file}:")?;
+            if let Some(place) = inner.place {
+                write!(f, "{}:{}:", place.line, place.column)?;
+            }
+            f.write_str(" ")?;
+        }
+        inner.kind.fmt(f)
+    }
+}
+
+/// Writes the first error's line, and how many more there are.
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        Line(self).fmt(f)?;
+        match self.0.further.len() {
+            0 => Ok(()),
+            1 => f.write_str("\nand one more error in this file"),
+            n => write!(f, "\nand {n} more errors in this file"),
+        }
+    }
+}
+
+impl fmt::Debug for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Error(\"")?;
+        fmt::Display::fmt(self, f)?;
+        f.write_str("\")")
+    }
+}
+
+impl std::error::Error for Error {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        match &self.0.kind {
+            ErrorKind::Read { cause } | ErrorKind::Write { cause } => Some(cause),
+            _ => None,
+        }
+    }
+}
+
+impl fmt::Display for ErrorKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Read { cause } => write!(f, "cannot be read: {cause}"),
+            Self::TooLong { bytes, limit } => {
+                write!(f, "is {bytes} bytes long; at most {limit} are read")
+            }
+            Self::NotUtf8 => f.write_str("not a UTF-8 text from here on"),
+            Self::Syntax { message } => write!(f, "not valid TOML: {message}"),
+            Self::UnknownKey { key, table, suggestion } => {
+                write!(f, "unknown key '{key}'{}{}", In(table), Meant(suggestion, "'", "'"))
+            }
+            Self::UnknownTable { table, suggestion } => {
+                write!(f, "unknown table [{table}]{}", Meant(suggestion, "[", "]"))
+            }
+            Self::MissingKey { key, table } => write!(f, "missing key '{key}'{}", In(table)),
+            Self::WrongType { key, expected, found } => {
+                write!(f, "{key} takes {expected}, not {found}")
+            }
+            Self::OutOfRange { key, value, accepted } => {
+                write!(f, "{key} = {value} is out of range (accepted: {accepted})")
+            }
+            Self::UnknownName { key, value, accepted, suggestion } => {
+                let meant = Meant(suggestion, "\"", "\"");
+                write!(f, "{key} = \"{value}\" is not known (accepted: {accepted}){meant}")
+            }
+            Self::Write { cause } => write!(f, "cannot be written: {cause}"),
+            Self::Unwritable { component, reason } => {
+                write!(f, "component '{component}' cannot be written: {reason}")
+            }
+            Self::TooLarge { bytes, limit } => {
+                write!(f, "would take {bytes} bytes; the format ends at {limit}")
+            }
+        }
+    }
+}
+
+/// ` in [table]`, or ` at the top of the file`.
+struct In<'a>(&'a str);
+
+impl fmt::Display for In<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.0.is_empty() {
+            f.write_str(" at the top of the file")
+        } else {
+            write!(f, " in [{}]", self.0)
+        }
+    }
+}
+
+/// `; did you mean ...?` between the given quotes, or nothing.
+struct Meant<'a>(&'a Option<String>, &'a str, &'a str);
+
+impl fmt::Display for Meant<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Some(meant) => write!(f, "; did you mean {}{meant}{}?", self.1, self.2),
+            None => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_names_file_place_value_and_range() {
+        let error = Error::new(ErrorKind::OutOfRange {
+            key: "level.1.taper".into(),
+            value: "3.5".into(),
+            accepted: "0 <= taper < 3".into(),
+        })
+        .in_file("aspen.toml")
+        .at(Place { line: 12, column: 9 });
+        assert_eq!(
+            error.to_string(),
+            "aspen.toml:12:9: level.1.taper = 3.5 is out of range (accepted: 0 <= taper < 3)"
+        );
+    }
+
+    #[test]
+    fn further_errors_are_counted_in_the_message_and_kept() {
+        let missing =
+            || Error::new(ErrorKind::MissingKey { key: "shape".into(), table: String::new() });
+        let error = Error::first_of(vec![missing(), missing(), missing()]).unwrap();
+        assert_eq!(
+            error.to_string(),
+            "missing key 'shape' at the top of the file\nand 2 more errors in this file"
+        );
+        assert_eq!(error.all().count(), 3);
+        assert!(Error::first_of(Vec::new()).is_none());
+    }
+}
