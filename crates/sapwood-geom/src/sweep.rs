@@ -3,9 +3,11 @@
 //!
 //! What the curve is and how thick it is where, the caller decides; here rings become triangles.
 
+mod write;
+
 use glam::{Vec2, Vec3};
 
-use crate::{Mesh, Section};
+use crate::Section;
 
 /// A cross-section of a tube: where its middle is and how thick the tube is there.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,7 +109,8 @@ impl Sweep {
     /// Lays a tube through `rings` and returns the number of triangles it has for `section`.
     ///
     /// Rings turn from one to the next without twist, first toward the stretch between them,
-    /// then toward the next ring's plane, which halves the angle of the two stretches it joins.
+    /// then toward the next ring's plane, which lies between the two stretches that it joins, nearer
+    /// to square with the shorter.
     /// A ring that coincides with the one before is left out. Points are rings below 1e-6 m, or
     /// so thin against their distance from the origin or from the next ring that `f32` could not
     /// tell their vertices apart.
@@ -134,30 +137,6 @@ impl Sweep {
     pub fn start_at(&self, ring: usize) -> Option<SweepStart> {
         let laid = self.laid.get(*self.rows.get(ring)? as usize)?;
         Some(SweepStart { x: laid.x, tangent: Some(laid.tangent), v: laid.v })
-    }
-
-    /// Adds the tube last laid to `mesh`, with the section it was laid for.
-    ///
-    /// # Panics
-    /// Where the vertices together exceed what a 32-bit index can number.
-    pub fn write(&self, section: &Section, mesh: &mut Mesh) {
-        let sides = section.n_sides() as usize;
-        if self.n_triangles(sides) == 0 {
-            return;
-        }
-        self.reserve(sides, mesh);
-        let (first, last) = (self.laid[0], self.laid[self.laid.len() - 1]);
-        if self.base != Cap::Open && !first.is_point {
-            self.write_disc(section, &first, -1.0, mesh);
-        }
-        let mut before: Option<&Laid> = None;
-        for laid in &self.laid {
-            self.write_ring(section, before, laid, mesh);
-            before = Some(laid);
-        }
-        if self.tip != Cap::Open && !last.is_point {
-            self.write_disc(section, &last, 1.0, mesh);
-        }
     }
 
     /// Keeps a ring, or notes that it coincides with the one kept last.
@@ -237,8 +216,8 @@ impl Sweep {
         if n == 0 {
             return;
         }
-        let mut tangent = start.tangent.unwrap_or(self.laid[0].onward).normalize_or(Vec3::Z);
-        let mut x = square(start.x, tangent);
+        let mut tangent = start.tangent.unwrap_or(self.laid[0].onward);
+        let mut x = upright(start.x, tangent);
         let mut v = start.v;
         for i in 0..n {
             if i > 0 {
@@ -248,7 +227,7 @@ impl Sweep {
                 let halfway = before.onward * laid.length + laid.onward * before.length;
                 let halfway = if i + 1 == n { before.onward } else { halfway };
                 let next = halfway.normalize_or(laid.onward);
-                x = square(carry(carry(x, tangent, before.onward), before.onward, next), next);
+                x = sharpen(carry(carry(x, tangent, before.onward), before.onward, next), next);
                 tangent = next;
                 let around = std::f32::consts::PI * (before.radius + laid.radius);
                 v -= before.length * self.repeats as f32 / around.max(1e-6);
@@ -268,107 +247,14 @@ impl Sweep {
             .filter(|(cap, laid)| *cap != Cap::Open && laid.is_some_and(|laid| !laid.is_point));
         if walls == 0 { 0 } else { (walls + discs.count()) * sides }
     }
-
-    fn reserve(&self, sides: usize, mesh: &mut Mesh) {
-        let n_vertices = (self.laid.len() + 2) * (sides + 1);
-        u32::try_from(mesh.positions.len() + 2 * n_vertices)
-            .expect("a mesh has fewer than 2^32 vertices");
-        mesh.positions.reserve(n_vertices);
-        mesh.normals.reserve(n_vertices);
-        mesh.uvs.reserve(n_vertices);
-        mesh.indices.reserve(3 * self.n_triangles(sides));
-    }
-
-    /// Writes a ring's vertices and the triangles to the ring before it.
-    fn write_ring(&self, section: &Section, before: Option<&Laid>, laid: &Laid, mesh: &mut Mesh) {
-        let sides = section.n_sides();
-        let next = mesh.positions.len() as u32;
-        match (before, laid.is_point) {
-            (None, true) => {}
-            (None, false) => self.write_vertices(section, laid, laid.slope, mesh),
-            (Some(before), true) if before.is_point => {}
-            (Some(before), true) => {
-                self.write_point(section, before.slope, laid, mesh);
-                let ring = next - (sides + 1);
-                let fan = (0..sides).flat_map(|k| [ring + k, ring + k + 1, next + k]);
-                mesh.indices.extend(fan);
-            }
-            (Some(before), false) if before.is_point => {
-                self.write_point(section, before.slope, before, mesh);
-                self.write_vertices(section, laid, before.slope + laid.slope, mesh);
-                let ring = next + sides;
-                let fan = (0..sides).flat_map(|k| [next + k, ring + k + 1, ring + k]);
-                mesh.indices.extend(fan);
-            }
-            (Some(before), false) => {
-                self.write_vertices(section, laid, before.slope + laid.slope, mesh);
-                let ring = next - (sides + 1);
-                mesh.indices.extend(section.strip.iter().map(|index| index + ring));
-            }
-        }
-    }
-
-    /// Writes `sides + 1` vertices of a ring whose profile has the normal `slope`.
-    fn write_vertices(&self, section: &Section, laid: &Laid, slope: Vec2, mesh: &mut Mesh) {
-        let slope = slope.normalize_or(Vec2::X);
-        let Laid { center, radius, tangent, x, v, .. } = *laid;
-        let y = tangent.cross(x);
-        let (px, py) = (x * radius, y * radius);
-        mesh.positions.extend(section.points.iter().map(|p| center + px * p.x + py * p.y));
-        let along = tangent * slope.y;
-        if section.lobed {
-            let (nx, ny) = (x * slope.x, y * slope.x);
-            let outward = section.normals.iter().zip(&section.factors_squared);
-            mesh.normals.extend(
-                outward.map(|(n, factor)| {
-                    (nx * n.x + ny * n.y + along * *factor).normalize_or(tangent)
-                }),
-            );
-        } else {
-            let (nx, ny) = (x * slope.x, y * slope.x);
-            mesh.normals.extend(section.normals.iter().map(|n| nx * n.x + ny * n.y + along));
-        }
-        let repeats = self.repeats as f32;
-        mesh.uvs.extend(section.around.iter().map(|u| Vec2::new(u * repeats, v)));
-    }
-
-    /// Writes one vertex for each side at a point, so that every triangle has its own normal and
-    /// the texture is not wrung there.
-    fn write_point(&self, section: &Section, slope: Vec2, laid: &Laid, mesh: &mut Mesh) {
-        let sides = section.n_sides() as usize;
-        let y = laid.tangent.cross(laid.x);
-        let (nx, ny, along) = (laid.x * slope.x, y * slope.x, laid.tangent * slope.y);
-        mesh.positions.extend(std::iter::repeat_n(laid.center, sides));
-        mesh.normals.extend(section.middles.iter().map(|n| nx * n.x + ny * n.y + along));
-        let step = self.repeats as f32 / sides as f32;
-        mesh.uvs.extend((0..sides).map(|k| Vec2::new((k as f32 + 0.5) * step, laid.v)));
-    }
-
-    /// Writes a flat disc that faces along the tangent times `way`.
-    fn write_disc(&self, section: &Section, laid: &Laid, way: f32, mesh: &mut Mesh) {
-        let sides = section.n_sides();
-        let first = mesh.positions.len() as u32;
-        let y = laid.tangent.cross(laid.x);
-        let (px, py) = (laid.x * laid.radius, y * laid.radius);
-        // As many texels to the metre as on the ring's rim.
-        let scale = self.repeats as f32 / std::f32::consts::TAU;
-        mesh.positions.push(laid.center);
-        mesh.uvs.push(Vec2::splat(0.5));
-        for p in &section.points[..sides as usize] {
-            mesh.positions.push(laid.center + px * p.x + py * p.y);
-            mesh.uvs.push(Vec2::new(0.5 + scale * p.x, 0.5 - scale * way * p.y));
-        }
-        mesh.normals.extend(std::iter::repeat_n(laid.tangent * way, sides as usize + 1));
-        for k in 0..sides {
-            let (a, b) = (first + 1 + k, first + 1 + (k + 1) % sides);
-            mesh.indices.extend(if way > 0.0 { [first, a, b] } else { [first, b, a] });
-        }
-    }
 }
 
 /// `vector`, turned as the shortest turn from unit vector `from` to unit vector `to` does; as it
 /// is where they are opposite.
 fn carry(vector: Vec3, from: Vec3, to: Vec3) -> Vec3 {
+    if from == to {
+        return vector;
+    }
     // Reflecting first along `from` and then along the middle of both is that turn; `vector` is
     // square to `from`, which leaves the second reflection only.
     let middle = from + to;
@@ -377,6 +263,24 @@ fn carry(vector: Vec3, from: Vec3, to: Vec3) -> Vec3 {
         return vector;
     }
     vector - middle * (2.0 * vector.dot(middle) / square)
+}
+
+/// `vector` itself if it is a unit vector square to unit vector `tangent`, so that a tube that
+/// continues another starts with the same bits, or else the nearest that is.
+fn upright(vector: Vec3, tangent: Vec3) -> Vec3 {
+    let lean = vector.dot(tangent).abs().max((vector.length_squared() - 1.0).abs());
+    if lean < 4e-6 { vector } else { square(vector, tangent) }
+}
+
+/// `vector`, nearly a unit vector and nearly square to unit vector `tangent`, made both; a step
+/// of Newton's method does for the small errors of a turn.
+fn sharpen(vector: Vec3, tangent: Vec3) -> Vec3 {
+    let flat = vector - tangent * vector.dot(tangent);
+    let length_squared = flat.length_squared();
+    if (length_squared - 1.0).abs() > 1e-3 {
+        return square(vector, tangent);
+    }
+    flat * (1.5 - 0.5 * length_squared)
 }
 
 /// The unit vector square to unit vector `tangent` that is nearest to `vector`.
@@ -391,6 +295,7 @@ mod tests {
     use std::f32::consts::{FRAC_PI_2, TAU};
 
     use super::*;
+    use crate::Mesh;
 
     fn rings(points: impl IntoIterator<Item = (Vec3, f32)>) -> Vec<Ring> {
         points.into_iter().map(|(center, radius)| Ring { center, radius }).collect()

@@ -1,0 +1,128 @@
+//! Writing a tube that was laid: vertices ring by ring, and the triangles between them.
+
+use glam::Vec2;
+
+use super::{Cap, Laid, Sweep};
+use crate::{Mesh, Section};
+
+impl Sweep {
+    /// Adds the tube last laid to `mesh`, with the section it was laid for.
+    ///
+    /// # Panics
+    /// Where the vertices together exceed what a 32-bit index can number.
+    pub fn write(&self, section: &Section, mesh: &mut Mesh) {
+        let sides = section.n_sides() as usize;
+        if self.n_triangles(sides) == 0 {
+            return;
+        }
+        self.reserve(sides, mesh);
+        let (first, last) = (self.laid[0], self.laid[self.laid.len() - 1]);
+        if self.base != Cap::Open && !first.is_point {
+            self.write_disc(section, &first, -1.0, mesh);
+        }
+        let mut before: Option<&Laid> = None;
+        for laid in &self.laid {
+            self.write_ring(section, before, laid, mesh);
+            before = Some(laid);
+        }
+        if self.tip != Cap::Open && !last.is_point {
+            self.write_disc(section, &last, 1.0, mesh);
+        }
+    }
+
+    fn reserve(&self, sides: usize, mesh: &mut Mesh) {
+        let n_vertices = (self.laid.len() + 2) * (sides + 1);
+        u32::try_from(mesh.positions.len() + 2 * n_vertices)
+            .expect("a mesh has fewer than 2^32 vertices");
+        mesh.positions.reserve(n_vertices);
+        mesh.normals.reserve(n_vertices);
+        mesh.uvs.reserve(n_vertices);
+        mesh.indices.reserve(3 * self.n_triangles(sides));
+    }
+
+    /// Writes a ring's vertices and the triangles to the ring before it.
+    fn write_ring(&self, section: &Section, before: Option<&Laid>, laid: &Laid, mesh: &mut Mesh) {
+        let sides = section.n_sides();
+        let next = mesh.positions.len() as u32;
+        match (before, laid.is_point) {
+            (None, true) => {}
+            (None, false) => self.write_vertices(section, laid, laid.slope, mesh),
+            (Some(before), true) if before.is_point => {}
+            (Some(before), true) => {
+                self.write_point(section, before.slope, laid, mesh);
+                let ring = next - (sides + 1);
+                let fan = (0..sides).flat_map(|k| [ring + k, ring + k + 1, next + k]);
+                mesh.indices.extend(fan);
+            }
+            (Some(before), false) if before.is_point => {
+                self.write_point(section, before.slope, before, mesh);
+                self.write_vertices(section, laid, before.slope + laid.slope, mesh);
+                let ring = next + sides;
+                let fan = (0..sides).flat_map(|k| [next + k, ring + k + 1, ring + k]);
+                mesh.indices.extend(fan);
+            }
+            (Some(before), false) => {
+                self.write_vertices(section, laid, before.slope + laid.slope, mesh);
+                let ring = next - (sides + 1);
+                mesh.indices.extend(section.strip.iter().map(|index| index + ring));
+            }
+        }
+    }
+
+    /// Writes `sides + 1` vertices of a ring whose profile has the normal `slope`.
+    fn write_vertices(&self, section: &Section, laid: &Laid, slope: Vec2, mesh: &mut Mesh) {
+        let slope = slope.normalize_or(Vec2::X);
+        let Laid { center, radius, tangent, x, v, .. } = *laid;
+        let y = tangent.cross(x);
+        let (px, py) = (x * radius, y * radius);
+        mesh.positions.extend(section.points.iter().map(|p| center + px * p.x + py * p.y));
+        let along = tangent * slope.y;
+        if section.lobed {
+            let (nx, ny) = (x * slope.x, y * slope.x);
+            let outward = section.normals.iter().zip(&section.factors_squared);
+            mesh.normals.extend(
+                outward.map(|(n, factor)| {
+                    (nx * n.x + ny * n.y + along * *factor).normalize_or(tangent)
+                }),
+            );
+        } else {
+            let (nx, ny) = (x * slope.x, y * slope.x);
+            mesh.normals.extend(section.normals.iter().map(|n| nx * n.x + ny * n.y + along));
+        }
+        let repeats = self.repeats as f32;
+        mesh.uvs.extend(section.around.iter().map(|u| Vec2::new(u * repeats, v)));
+    }
+
+    /// Writes one vertex for each side at a point, so that every triangle has its own normal and
+    /// the texture is not wrung there.
+    fn write_point(&self, section: &Section, slope: Vec2, laid: &Laid, mesh: &mut Mesh) {
+        let sides = section.n_sides() as usize;
+        let y = laid.tangent.cross(laid.x);
+        let (nx, ny, along) = (laid.x * slope.x, y * slope.x, laid.tangent * slope.y);
+        mesh.positions.extend(std::iter::repeat_n(laid.center, sides));
+        mesh.normals.extend(section.middles.iter().map(|n| nx * n.x + ny * n.y + along));
+        let step = self.repeats as f32 / sides as f32;
+        mesh.uvs.extend((0..sides).map(|k| Vec2::new((k as f32 + 0.5) * step, laid.v)));
+    }
+
+    /// Writes a flat disc that faces along the tangent times `way`.
+    fn write_disc(&self, section: &Section, laid: &Laid, way: f32, mesh: &mut Mesh) {
+        let sides = section.n_sides();
+        let first = mesh.positions.len() as u32;
+        let y = laid.tangent.cross(laid.x);
+        let (px, py) = (laid.x * laid.radius, y * laid.radius);
+        // As many texels to the metre as on the ring's rim.
+        let scale = self.repeats as f32 / std::f32::consts::TAU;
+        mesh.positions.push(laid.center);
+        mesh.uvs.push(Vec2::splat(0.5));
+        for p in &section.points[..sides as usize] {
+            mesh.positions.push(laid.center + px * p.x + py * p.y);
+            mesh.uvs.push(Vec2::new(0.5 + scale * p.x, 0.5 - scale * way * p.y));
+        }
+        mesh.normals.extend(std::iter::repeat_n(laid.tangent * way, sides as usize + 1));
+        for k in 0..sides {
+            let (a, b) = (first + 1 + k, first + 1 + (k + 1) % sides);
+            mesh.indices.extend(if way > 0.0 { [first, a, b] } else { [first, b, a] });
+        }
+    }
+}
