@@ -127,6 +127,8 @@ fn outline(points: &[(Vec2, f32)], thinnest: f32) -> impl Iterator<Item = Vec2> 
 struct Frame {
     min: Vec2,
     max: Vec2,
+    /// The height of the lowest point, where the ruler stands.
+    foot: f32,
     /// Units of the picture in one metre; a power of ten.
     per_metre: f32,
     /// Half the thinnest stroke, in metres.
@@ -136,12 +138,14 @@ struct Frame {
 impl Frame {
     fn around(strokes: &[Stroke]) -> Self {
         let (mut min, mut max) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+        let mut foot = f32::INFINITY;
         for (point, radius) in strokes.iter().flat_map(|stroke| &stroke.0) {
             min = min.min(*point - *radius);
             max = max.max(*point + *radius);
+            foot = foot.min(point.y);
         }
         if !(min.cmple(max).all()) {
-            (min, max) = (Vec2::ZERO, Vec2::ONE);
+            (min, max, foot) = (Vec2::ZERO, Vec2::ONE, 0.0);
         }
         let extent = (max - min).max_element().max(1e-3);
         // Room on the left for the ruler.
@@ -155,6 +159,7 @@ impl Frame {
         Self {
             min,
             max,
+            foot,
             per_metre,
             thinnest: 0.5 * THINNEST * (max.y - min.y).max(max.x - min.x) / PIXELS,
         }
@@ -234,8 +239,7 @@ impl Frame {
     fn ruler(&self, text: &mut String) {
         let size = self.max - self.min;
         let metres = round_length(0.5 * size.y);
-        let foot = Vec2::new(self.min.x + 0.04 * size.x, self.min.y + 0.04 * size.y);
-        let (x, y) = self.units(foot);
+        let (x, y) = self.units(Vec2::new(self.min.x + 0.04 * size.x, self.foot));
         let tick = self.length(0.01 * size.max_element());
         let tall = self.length(metres);
         let thick = self.length(2.0 * self.thinnest);
@@ -250,7 +254,7 @@ impl Frame {
         );
         let _ = writeln!(
             text,
-            "<text x=\"{}\" y=\"{}\" font-family=\"sans-serif\" font-size=\"{font}\" \
+            "<text x=\"{}\" y=\"{}\" font-family=\"DejaVu Sans, Arial, sans-serif\" font-size=\"{font}\" \
              fill=\"#555\">{metres} m</text>",
             x - tick,
             y - tall - font / 2,

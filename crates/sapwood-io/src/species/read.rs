@@ -9,7 +9,7 @@ use sapwood_rules::weber_penn::{self as model, Accepted, Key, LeafShape, Species
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::source::Source;
+use super::source::{Source, shortened};
 use crate::spelling::nearest;
 use crate::{Error, ErrorKind};
 
@@ -19,6 +19,8 @@ const REQUIRED: [&str; 5] = ["name", "shape", "scale", "levels", "ratio"];
 const REQUIRED_OF_BRANCHES: [&str; 2] = ["branches", "length"];
 /// More errors than this help nobody.
 const MOST_ERRORS: usize = 20;
+/// Reading stops at this many, before a file of nothing but errors takes long.
+const ENOUGH_ERRORS: usize = 1000;
 
 /// The species in `source`, or all that is wrong with it.
 pub(super) fn species(source: &Source<'_>) -> Result<Species, Error> {
@@ -81,6 +83,9 @@ impl Reader<'_> {
 
     fn table(&mut self, table: &str, entries: &DeTable<'_>) {
         for (key, value) in entries {
+            if self.errors.found.len() >= ENOUGH_ERRORS {
+                return;
+            }
             let dotted = match table {
                 "" => key.get_ref().to_string(),
                 table => format!("{table}.{}", key.get_ref()),
@@ -97,11 +102,13 @@ impl Reader<'_> {
                 }
             } else if matches!(value.get_ref(), DeValue::Table(_)) && key_like(&dotted).is_none() {
                 let suggestion = table_like(&dotted);
-                self.errors
-                    .add(ErrorKind::UnknownTable { table: dotted, suggestion }, Some(key.span()));
+                self.errors.add(
+                    ErrorKind::UnknownTable { table: shortened(&dotted), suggestion },
+                    Some(key.span()),
+                );
             } else {
                 let suggestion = key_like(&dotted);
-                let (key, span) = (key.get_ref().to_string(), key.span());
+                let (key, span) = (shortened(key.get_ref()), key.span());
                 let table = table.to_owned();
                 self.errors.add(ErrorKind::UnknownKey { key, table, suggestion }, Some(span));
             }
@@ -281,6 +288,7 @@ impl Reader<'_> {
 
 fn unknown_name(key: String, value: String, fault: &model::Fault, names: &[&str]) -> ErrorKind {
     let suggestion = nearest(&value, names.iter().copied()).map(str::to_owned);
+    let value = shortened(&value);
     ErrorKind::UnknownName { key, value, accepted: fault.accepted.to_string(), suggestion }
 }
 

@@ -47,14 +47,22 @@ impl<'a> Source<'a> {
 
     /// The text in `span` on one line, shortened for messages.
     pub(super) fn excerpt(&self, span: Range<usize>) -> String {
-        const LONGEST: usize = 40;
-        let text = self.text.get(span).unwrap_or_default();
-        let mut words = text.split_whitespace().collect::<Vec<_>>().join(" ");
-        if words.chars().count() > LONGEST {
-            words = words.chars().take(LONGEST).chain("...".chars()).collect();
-        }
-        words
+        shortened(self.text.get(span).unwrap_or_default())
     }
+}
+
+/// `text` on one line and no longer than a message can bear.
+pub(super) fn shortened(text: &str) -> String {
+    const LONGEST: usize = 40;
+    let mut short = String::new();
+    for (i, word) in text.split_whitespace().enumerate() {
+        short.extend((i > 0).then_some(' '));
+        short.extend(word.chars().take(LONGEST + 1));
+        if short.chars().count() > LONGEST {
+            return short.chars().take(LONGEST).chain("...".chars()).collect();
+        }
+    }
+    short
 }
 
 #[cfg(test)]

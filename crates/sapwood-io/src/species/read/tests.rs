@@ -216,6 +216,8 @@ fn nesting_and_garbage_end_in_errors() {
         "[".repeat(1 << 19),
         "\0\u{7}=\r[".repeat(1 << 16),
         "x = 1\n".repeat(1 << 16),
+        format!("{} = 1", "x".repeat(1 << 19)),
+        format!("{GOOD}dialect = '{}'", "x".repeat(1 << 19)),
     ] {
         let error = parse_species(&text, "f").unwrap_err();
         assert!(error.to_string().len() < 4000, "{error}");
