@@ -1,0 +1,482 @@
+//! The surface of grown stems: where rings stand, how many sides they have, and how the tubes of
+//! clones continue the one they split from. Sweeping rings into triangles is geometry's work.
+
+use sapwood_geom::{Cap, Mesh, Ring, Section, Sweep, SweepOptions, SweepStart, content};
+
+use super::ring_places::find_places;
+use super::{Segment, Stem, Stems, TrunkForm};
+
+/// How finely stems are meshed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Detail {
+    /// 0 angular to 1 smooth: sides of a stem's cross-section; Arbaro's Smooth.
+    pub smooth: f32,
+    /// Factor on the number of sides, 1 for a tree seen from nearby; never fewer than 3 sides.
+    pub sides: f32,
+    /// Factor on the number of rings that curved profiles have between segment ends.
+    pub rings: f32,
+    /// Width in metres that one repeat of the bark's texture should have; each stem takes the
+    /// whole number of repeats that comes nearest, at least 1.
+    pub bark_width: f32,
+    /// Whether trunks are closed at the foot; all other stems begin inside their parent.
+    pub closed_foot: bool,
+}
+
+content!(Detail { smooth, sides, rings, bark_width, closed_foot });
+
+impl Default for Detail {
+    fn default() -> Self {
+        Self { smooth: 0.5, sides: 1.0, rings: 1.0, bark_width: 0.5, closed_foot: true }
+    }
+}
+
+impl Detail {
+    /// Sides of the cross-section of a stem of this level and base radius in metres: by level
+    /// about 12, 6, 4 and 3, more where a branch is thick.
+    pub fn n_sides(&self, level: u8, radius: f32) -> u32 {
+        let smooth = self.smooth.clamp(0.0, 1.0);
+        let by_level = match level {
+            0 => 8.0 + 8.0 * smooth,
+            1 => 4.0 + 4.0 * smooth,
+            2 => 3.0 + 3.0 * smooth,
+            _ => 3.0,
+        };
+        let by_radius = 3.0 + (8.0 + 8.0 * smooth) * radius.clamp(0.0, 1.0).sqrt();
+        (by_level.max(by_radius) * self.sides.clamp(0.0, 64.0)).max(3.0) as u32
+    }
+
+    /// `n` rings for detail 1, at least `least`.
+    pub(crate) fn n_rings(&self, n: f32, least: u32) -> u32 {
+        ((n * self.rings.clamp(0.0, 16.0)).round() as u32).max(least)
+    }
+
+    fn section(&self, level: u8, radius: f32, form: &TrunkForm) -> SectionKey {
+        if level == 0 && form.lobes > 0 && form.lobe_depth != 0.0 {
+            // A multiple of four, so that points fall on peaks and hollows.
+            let finer = (self.sides * (0.5 + self.smooth)).round().clamp(1.0, 16.0) as u32;
+            let sides = form.lobes.saturating_mul(4 * finer).min(4096);
+            return SectionKey { sides, lobed: true };
+        }
+        SectionKey { sides: self.n_sides(level, radius), lobed: false }
+    }
+}
+
+/// The surface of a batch of stems in tree space, one tube for each stem.
+///
+/// A clone's tube starts with the very ring where it leaves the stem that it split from. Every
+/// stem is `charge`d with its number of triangles before any of them is made; the first refusal
+/// ends the work and is returned. The radius is the taper's, for trunks times the factors of
+/// `form` and around the stem its lobes.
+pub fn surface<E>(
+    stems: &Stems,
+    form: &TrunkForm,
+    detail: &Detail,
+    mut charge: impl FnMut(usize) -> Result<(), E>,
+) -> Result<Mesh, E> {
+    let mut mesh = Mesh::default();
+    let mut tubes = Tubes::new(stems, form, detail);
+    tubes.reserve(&mut mesh);
+    for index in 0..stems.stems.len() {
+        charge(tubes.lay(index))?;
+        tubes.write(&mut mesh);
+    }
+    Ok(mesh)
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct SectionKey {
+    sides: u32,
+    lobed: bool,
+}
+
+/// The ring at the end of a segment, for a clone to start with.
+#[derive(Clone, Copy)]
+struct Joint {
+    ring: Ring,
+    start: SweepStart,
+}
+
+/// The tubes of a batch, one after the other.
+struct Tubes<'a> {
+    stems: &'a Stems,
+    form: &'a TrunkForm,
+    detail: &'a Detail,
+    sections: Vec<(SectionKey, Section)>,
+    /// The section of the tube last laid.
+    section: usize,
+    sweep: Sweep,
+    rings: Vec<Ring>,
+    /// For each segment of the current stem the number of the ring at its end.
+    ends: Vec<usize>,
+    /// Places `z` where the current stem needs rings besides the segment ends, ascending.
+    between: Vec<f32>,
+    /// A joint for each segment of the batch; empty where no stem is a clone.
+    joints: Vec<Option<Joint>>,
+}
+
+impl<'a> Tubes<'a> {
+    fn new(stems: &'a Stems, form: &'a TrunkForm, detail: &'a Detail) -> Self {
+        let has_clones = stems.stems.iter().any(|stem| stem.clone_of.is_some());
+        let n_joints = if has_clones { stems.segments.len() } else { 0 };
+        Self {
+            stems,
+            form,
+            detail,
+            sections: Vec::new(),
+            section: 0,
+            sweep: Sweep::default(),
+            rings: Vec::new(),
+            ends: Vec::new(),
+            between: Vec::new(),
+            joints: vec![None; n_joints],
+        }
+    }
+
+    /// Makes room for stems that have rings at their segment ends only; within limits, for
+    /// nothing has been charged yet.
+    fn reserve(&self, mesh: &mut Mesh) {
+        let (mut n_vertices, mut n_indices) = (0, 0);
+        for stem in &self.stems.stems {
+            let key = self.detail.section(stem.seed.level, stem.seed.radius, self.form);
+            let (rings, sides) = (stem.n_segments as usize + 1, key.sides as usize);
+            n_vertices += rings * (sides + 1);
+            n_indices += (rings - 1) * sides * 6;
+        }
+        let n_vertices = n_vertices.min(1 << 20);
+        mesh.positions.reserve(n_vertices);
+        mesh.normals.reserve(n_vertices);
+        mesh.uvs.reserve(n_vertices);
+        mesh.indices.reserve(n_indices.min(1 << 22));
+    }
+
+    /// Lays the tube of a stem and returns its number of triangles.
+    fn lay(&mut self, index: usize) -> usize {
+        let stem = &self.stems.stems[index];
+        let seed = &stem.seed;
+        let key = self.detail.section(seed.level, seed.radius, self.form);
+        self.section = self.section_of(key);
+        let joint = self.joint_of(stem);
+        self.place_rings(index, stem, key.sides, joint);
+        let own_start = SweepStart::toward(seed.frame.axes.x_axis);
+        let around = std::f32::consts::TAU * seed.radius / self.detail.bark_width.max(1e-6);
+        let is_trunk = seed.level == 0 && stem.clone_of.is_none();
+        let options = SweepOptions {
+            start: joint.map_or(own_start, |joint| joint.start),
+            repeats: around.round().clamp(1.0, 4096.0) as u32,
+            base: if is_trunk && self.detail.closed_foot { Cap::Flat } else { Cap::Open },
+            tip: Cap::Flat,
+        };
+        let n = self.sweep.lay(&self.sections[self.section].1, &self.rings, &options);
+        if !self.joints.is_empty() {
+            self.keep_joints(stem);
+        }
+        n
+    }
+
+    /// Adds the tube last laid.
+    fn write(&self, mesh: &mut Mesh) {
+        self.sweep.write(&self.sections[self.section].1, mesh);
+    }
+
+    fn section_of(&mut self, key: SectionKey) -> usize {
+        if let Some(place) = self.sections.iter().position(|(known, _)| *known == key) {
+            return place;
+        }
+        let (lobes, depth) =
+            if key.lobed { (self.form.lobes, self.form.lobe_depth) } else { (0, 0.0) };
+        self.sections.push((key, Section::lobed(key.sides, lobes, depth)));
+        self.sections.len() - 1
+    }
+
+    /// The ring that a clone starts with, unless the clone turns back so sharply that a tube
+    /// from that ring would be inside out.
+    fn joint_of(&self, stem: &Stem) -> Option<Joint> {
+        let origin = &self.stems.stems[stem.clone_of? as usize];
+        let before = stem.start.checked_sub(origin.start + 1)?;
+        let joint = (*self.joints.get((origin.first_segment + before) as usize)?)?;
+        let onward = self.stems.segments[stem.first_segment as usize].frame.axes.z_axis;
+        joint.start.tangent.is_some_and(|tangent| tangent.dot(onward) > 0.2).then_some(joint)
+    }
+
+    fn keep_joints(&mut self, stem: &Stem) {
+        for (segment, ring) in stem.segment_range().zip(&self.ends) {
+            let start = self.sweep.start_at(*ring);
+            self.joints[segment] = start.map(|start| Joint { ring: self.rings[*ring], start });
+        }
+    }
+
+    fn place_rings(&mut self, index: usize, stem: &Stem, sides: u32, joint: Option<Joint>) {
+        self.between.clear();
+        find_places(stem, self.form, self.detail, sides, &mut self.between);
+        self.rings.clear();
+        self.ends.clear();
+        let segments = self.stems.segments_of(index);
+        let factor = |z: f32| if stem.seed.level == 0 { self.form.factor(z) } else { 1.0 };
+        let mut places = self.between.iter().copied().peekable();
+        let mut bend_before = 0.0;
+        for (i, segment) in segments.iter().enumerate() {
+            if i == 0 {
+                let radius = segment.radius_foot * factor(segment.z_foot);
+                let foot = Ring { center: segment.frame.origin, radius };
+                self.rings.push(joint.map_or(foot, |joint| joint.ring));
+            }
+            if places.peek().is_some() {
+                let bend = segments.get(i + 1).map_or(0.0, |next| bend(segment, next));
+                let near = [bend_before, bend].map(|bend| room(bend, stem, segment));
+                while let Some(z) = places.next_if(|z| *z < segment.z_end) {
+                    let from_foot = z - segment.z_foot;
+                    if from_foot > near[0] && segment.z_end - z > near[1] {
+                        let center = self.stems.center_in(index, segment, z * stem.seed.length);
+                        self.rings.push(Ring { center, radius: stem.radius_at(z) * factor(z) });
+                    }
+                }
+                bend_before = bend;
+            }
+            let radius = segment.radius_end * factor(segment.z_end);
+            self.ends.push(self.rings.len());
+            self.rings.push(Ring { center: segment.end(), radius });
+        }
+    }
+}
+
+/// The sine of the angle between two segments.
+fn bend(segment: &Segment, next: &Segment) -> f32 {
+    segment.frame.axes.z_axis.cross(next.frame.axes.z_axis).length()
+}
+
+/// How near to a segment's end, in units of `z`, no other ring may stand: the ring at the end
+/// leans by half the bend and must not reach it.
+fn room(bend: f32, stem: &Stem, segment: &Segment) -> f32 {
+    let radius = segment.radius_foot.max(segment.radius_end);
+    (0.02 + 0.6 * bend) * radius / stem.seed.length.max(1e-6)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::convert::Infallible;
+
+    use glam::Vec3;
+    use sapwood_geom::StreamPath;
+
+    use super::super::{Crown, Level, Species, Target, children, grow, trunks};
+    use super::*;
+
+    fn free(_: usize) -> Result<(), Infallible> {
+        Ok(())
+    }
+
+    /// The stems of levels 0 and up, one batch for each level.
+    fn grown(species: &Species) -> Vec<Stems> {
+        let (crown, levels) = (Crown::new(species), Level::all(species));
+        let form = TrunkForm::new(species);
+        let Ok(mut seeds) = trunks(&crown, &levels[0], StreamPath::new(5), &mut free);
+        let mut grown = Vec::new();
+        for n in 0..species.levels as usize {
+            let Ok(stems) = grow(&seeds, &crown, &levels[n], &Target::Up, &mut free);
+            if n + 1 < species.levels as usize {
+                let form = (n == 0).then_some(&form);
+                let Ok(next) = children(&stems, &crown, form, &levels[n + 1], &mut free);
+                seeds = next;
+            }
+            grown.push(stems);
+        }
+        grown
+    }
+
+    /// The surface of all levels' stems, checked for faults and for normals that do not agree
+    /// with the triangles beside them.
+    fn checked(species: &Species, detail: &Detail) -> Vec<Mesh> {
+        let form = TrunkForm::new(species);
+        let meshes = grown(species).into_iter().map(|stems| {
+            let Ok(mesh) = surface(&stems, &form, detail, free);
+            assert_eq!(mesh.fault(), None);
+            for t in mesh.indices.chunks_exact(3) {
+                let [a, b, c] = [t[0], t[1], t[2]].map(|i| mesh.positions[i as usize]);
+                let face = (b - a).cross(c - a).normalize();
+                let agree = t.iter().all(|i| face.dot(mesh.normals[*i as usize]) > 0.0);
+                assert!(agree, "{a} {b} {c}");
+            }
+            mesh
+        });
+        meshes.collect()
+    }
+
+    /// A trunk 8 m tall with a base radius of 0.4 m and four segments; no branches, no flare.
+    fn bare(taper: f32) -> Species {
+        let mut species = Species { levels: 1, scale: 8.0, flare: 0.0, ..Species::default() };
+        species.level[0].curve_res = 4;
+        species.level[0].taper = taper;
+        species
+    }
+
+    /// An aspen's three levels.
+    fn aspen() -> Species {
+        let mut species = Species { levels: 3, scale: 13.0, ratio: 0.015, ..Species::default() };
+        (species.ratio_power, species.base_size, species.flare) = (1.2, 0.4, 0.6);
+        (species.lobes, species.lobe_depth) = (5, 0.07);
+        let branching = [(60.0, 50, 0.3, 5, -40.0, 50.0), (45.0, 30, 0.6, 3, -40.0, 75.0)];
+        for (level, (down_angle, branches, length, curve_res, curve, curve_v)) in
+            species.level[1..].iter_mut().zip(branching)
+        {
+            (level.down_angle, level.rotate, level.branches) = (down_angle, 140.0, branches);
+            (level.length, level.curve_res) = (length, curve_res);
+            (level.curve, level.curve_v) = (curve, curve_v);
+        }
+        (species.level[0].curve_res, species.level[0].curve_v) = (3, 20.0);
+        species
+    }
+
+    /// Every vertex of an upright trunk is as far from its axis as taper, flare and lobes say.
+    fn check_radii(species: &Species) -> Mesh {
+        let stems = grown(species).remove(0);
+        let form = TrunkForm::new(species);
+        let mesh = checked(species, &Detail::default()).remove(0);
+        let stem = &stems.stems[0];
+        assert!((mesh.bound().aabb.max.z - stem.seed.length).abs() < 1e-4);
+        for position in &mesh.positions {
+            let around = position.truncate();
+            if around.length() < 1e-6 {
+                continue;
+            }
+            let z = position.z / stem.seed.length;
+            let angle = libm::atan2f(around.y, around.x);
+            let radius = stem.radius_at(z) * form.factor(z) * form.lobe_factor(angle);
+            assert!((around.length() - radius).abs() < 2e-3, "{position}: {radius}");
+        }
+        mesh
+    }
+
+    /// Whether some vertex is at this height and this far from the axis.
+    fn has_vertex(mesh: &Mesh, height: f32, radius: f32) -> bool {
+        mesh.positions
+            .iter()
+            .any(|p| (p.z - height).abs() < 1e-3 && (p.truncate().length() - radius).abs() < 1e-3)
+    }
+
+    #[test]
+    fn radii_follow_taper_flare_and_lobes() {
+        for taper in [0.0, 0.5, 1.0, 1.03, 1.5, 2.0, 2.1, 2.9] {
+            check_radii(&bare(taper));
+            check_radii(&Species { flare: 0.6, lobes: 5, lobe_depth: 0.2, ..bare(taper) });
+        }
+    }
+
+    #[test]
+    fn the_flared_foot_has_its_radius() {
+        let mesh = check_radii(&Species { flare: 0.6, ..bare(1.0) });
+        assert!(has_vertex(&mesh, 0.0, 0.4 * 1.594));
+        assert!(has_vertex(&mesh, 1.0, 0.4 * 0.875));
+    }
+
+    #[test]
+    fn bumps_have_rings_at_pinches_and_widest_places() {
+        let mesh = check_radii(&bare(2.1));
+        for bump in 1..9 {
+            let pinch = 8.0 - 0.8 * bump as f32;
+            assert!(has_vertex(&mesh, pinch, 0.4 * 0.9), "{bump}");
+            assert!(has_vertex(&mesh, pinch - 0.4, 0.4), "{bump}");
+        }
+    }
+
+    #[test]
+    fn a_ball_end_has_rings_on_its_quarter_circle() {
+        let mesh = check_radii(&bare(2.0));
+        assert!(has_vertex(&mesh, 7.6, 0.4));
+        assert!(has_vertex(&mesh, 7.8, 0.4 * 0.75f32.sqrt()));
+    }
+
+    #[test]
+    fn too_many_bumps_get_even_steps() {
+        let n =
+            |ratio| checked(&Species { ratio, ..bare(2.2) }, &Detail::default())[0].n_triangles();
+        assert!(n(1e-4) < 2 * n(0.01), "{} {}", n(1e-4), n(0.01));
+    }
+
+    #[test]
+    fn whole_trees_are_sound_at_every_detail() {
+        let mut aspen = aspen();
+        let mut n = Vec::new();
+        for sides in [0.1, 1.0, 2.5] {
+            let detail = Detail { sides, rings: sides, ..Detail::default() };
+            n.push(checked(&aspen, &detail).iter().map(Mesh::n_triangles).sum::<usize>());
+        }
+        assert!(n[0] < n[1] && n[1] < n[2], "{n:?}");
+        assert!((20_000..40_000).contains(&n[1]), "{n:?}");
+        // Splitting, winding branches with ball ends.
+        for level in &mut aspen.level {
+            (level.seg_splits, level.split_angle, level.taper) = (0.4, 30.0, 1.1);
+        }
+        (aspen.trunk.base_splits, aspen.level[2].curve_v) = (2, -30.0);
+        checked(&aspen, &Detail::default());
+    }
+
+    #[test]
+    fn a_helix_winds_round_its_axis() {
+        let mut species = Species { ratio: 0.005, ..bare(0.0) };
+        species.level[0].curve_v = -30.0;
+        let stems = grown(&species).remove(0);
+        let mesh = checked(&species, &Detail::default()).remove(0);
+        let helix = stems.stems[0].helix_radius;
+        assert!(helix > 0.1);
+        // Half a turn up the first segment the centre line is two radii from where it began.
+        let across = -2.0 * helix * stems.segments[0].frame.axes.x_axis;
+        let opposite = stems.segments[0].frame.point(Vec3::Z) + across;
+        assert!(mesh.positions.iter().any(|p| (p.distance(opposite) - 0.04).abs() < 2e-3));
+    }
+
+    #[test]
+    fn clones_start_with_the_ring_they_split_from_and_do_not_twist() {
+        let mut species = Species { lobes: 3, lobe_depth: 0.2, ..bare(0.5) };
+        (species.trunk.base_splits, species.level[0].split_angle) = (2, 20.0);
+        (species.level[0].seg_splits, species.level[0].curve_v) = (1.0, 30.0);
+        let stems = grown(&species).remove(0);
+        let mut n_triangles = Vec::new();
+        let charge = |n| {
+            n_triangles.push(n);
+            Ok::<(), Infallible>(())
+        };
+        let Ok(mesh) = surface(&stems, &TrunkForm::new(&species), &Detail::default(), charge);
+        assert_eq!(mesh.fault(), None);
+        assert_eq!(n_triangles.iter().sum::<usize>(), mesh.n_triangles());
+        assert!(stems.stems.len() > 6);
+        let mut first_index = 0;
+        for (stem, n) in stems.stems.iter().zip(&n_triangles) {
+            let first = mesh.indices[first_index] as usize;
+            first_index += 3 * n;
+            if stem.clone_of.is_none() {
+                continue;
+            }
+            let ring = 12;
+            for k in 0..=ring {
+                let (foot, above) =
+                    (mesh.positions[first + k], mesh.positions[first + k + ring + 1]);
+                let welded = mesh.positions[..first].contains(&foot);
+                assert!(welded, "{foot} is nowhere on the stems before");
+                // Without twist a seam leans less than the split's angle and the bend allow.
+                let onward = stems.segments[stem.first_segment as usize].frame.axes.z_axis;
+                assert!((above - foot).normalize().dot(onward) > 0.9, "{foot} {above}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_refused_stem_ends_the_work() {
+        let aspen = aspen();
+        let stems = &grown(&aspen)[1];
+        let mut asked = 0;
+        let result = surface(stems, &TrunkForm::new(&aspen), &Detail::default(), |n| {
+            asked += n;
+            if asked > 500 { Err(asked) } else { Ok(()) }
+        });
+        assert!(result.is_err_and(|asked| asked > 500 && asked < 600));
+    }
+
+    #[test]
+    fn the_foot_is_closed_on_request() {
+        let n = |closed_foot| {
+            let detail = Detail { closed_foot, ..Detail::default() };
+            checked(&bare(1.0), &detail)[0].n_triangles()
+        };
+        assert_eq!(n(true) - n(false), 12);
+    }
+}
