@@ -52,7 +52,13 @@ fn write_whole(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>)
         // Less the process's own mask, as for any new file; the default would be private.
         builder.permissions(fs::Permissions::from_mode(0o666));
     }
-    let mut part = builder.tempfile_in(&folder)?;
+    let mut part = builder.tempfile_in(&folder).map_err(|cause| match cause.kind() {
+        io::ErrorKind::NotFound => {
+            io::Error::new(cause.kind(), format!("there is no folder {}", folder.display()))
+        }
+        // The bare kind, for the cause names a temporary file that nobody knows.
+        kind => kind.into(),
+    })?;
     fill_buffered(part.as_file_mut(), fill)?;
     if let Some(old) = old {
         part.as_file().set_permissions(old.permissions())?;
@@ -145,6 +151,7 @@ mod tests {
         let missing = folder.path().join("no/such/a.txt");
         let error = write_atomically(&missing, |out| out.write_all(b"x")).unwrap_err();
         assert_eq!(cause(&error), io::ErrorKind::NotFound);
+        assert!(error.to_string().contains("cannot be written: there is no folder "), "{error}");
         let error = write_atomically(folder.path(), |out| out.write_all(b"x")).unwrap_err();
         assert_eq!(cause(&error), io::ErrorKind::IsADirectory);
         let error = write_atomically("", |out| out.write_all(b"x")).unwrap_err();
