@@ -23,6 +23,8 @@ mod stem;
 mod surface;
 mod taper;
 mod trunks;
+#[cfg(test)]
+mod tests;
 mod variation;
 
 pub use children::children;
