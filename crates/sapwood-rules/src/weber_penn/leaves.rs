@@ -1,4 +1,4 @@
-//! Leaves on the stems of the last level (Weber and Penn 1995, sections 4.6 and 4.9).
+//! Leaves on the stems of the last level (Weber and Penn 1995, sections 4.5 and 4.9).
 
 use std::f32::consts::TAU;
 

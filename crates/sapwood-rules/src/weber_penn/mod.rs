@@ -4,6 +4,7 @@
 //! and [`TrunkForm`] are what growth reads of them. Growth is pure functions from a parent's
 //! facts to stems, segments and leaves, and needs no scene.
 
+mod accepted;
 mod attraction;
 mod children;
 mod choices;
@@ -22,16 +23,18 @@ mod split;
 mod stem;
 mod surface;
 mod taper;
-mod trunks;
 #[cfg(test)]
 mod tests;
+mod trunks;
+mod value;
 mod variation;
 
+pub use accepted::Accepted;
 pub use children::children;
 pub use choices::{CrownShape, Dialect, LeafShape, LeafTarget, Origin, Target, Variation};
 pub use frame::Frame;
 pub use grow::grow;
-pub use keys::{Accepted, Fault, Key, Value, key, keys};
+pub use keys::{Fault, Key, key, keys};
 pub use leaf_shape::leaf_mesh;
 pub use leaves::leaves;
 pub use params::{Crown, Envelope, LeafParams, Level, TrunkForm};
@@ -39,3 +42,4 @@ pub use species::{LeavesSpec, LevelSpec, PruningSpec, Species, TreeGenExt, Trunk
 pub use stem::{Leaf, Segment, Stem, StemSeed, Stems};
 pub use surface::{Detail, surface};
 pub use trunks::trunks;
+pub use value::Value;

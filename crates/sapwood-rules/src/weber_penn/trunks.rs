@@ -1,5 +1,5 @@
 //! The seeds of the trunks: the size of the tree, and where its trunks stand (Weber and Penn
-//! 1995, section 4.2; several trunks after Arbaro).
+//! 1995, sections 4.3 and 4.4; several trunks after Arbaro).
 
 use std::f32::consts::TAU;
 

@@ -1,0 +1,129 @@
+//! Which values a key accepts.
+
+use std::fmt;
+
+use super::choices::{LeafShape, LeafTarget, Origin, Target};
+use super::value::{Field, Value, number, whole};
+
+/// The values that a key accepts; numbers must be finite besides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Accepted {
+    /// A number from `min` to `max`, either end of which may be left out of the range.
+    Number {
+        /// The least number, or minus infinity.
+        min: f32,
+        /// Whether `min` itself is too small.
+        above_min: bool,
+        /// The greatest number, or infinity.
+        max: f32,
+        /// Whether `max` itself is too great.
+        below_max: bool,
+    },
+    /// A whole number from `min` to `max`, both accepted.
+    Whole {
+        /// The least number.
+        min: i64,
+        /// The greatest number.
+        max: i64,
+    },
+    /// Any text.
+    Text,
+    /// A list of texts.
+    Texts,
+    /// One of these names.
+    Names(&'static [&'static str]),
+    /// A list of this many numbers, each from `min` to `max`.
+    Numbers {
+        /// How many.
+        len: usize,
+        /// The least number, or minus infinity.
+        min: f32,
+        /// The greatest number, or infinity.
+        max: f32,
+    },
+    /// A name of a leaf shape.
+    LeafShape,
+    /// `"up"`, a direction or a point.
+    Target,
+    /// `"outward"`, `"scattered"`, a direction or a point.
+    LeafTarget,
+}
+
+impl Accepted {
+    /// Whether `value` is accepted. `origin` matters for names of leaf shapes only.
+    ///
+    /// A whole number is accepted as a number, and a number without a fraction as a whole one.
+    pub fn accepts(&self, value: &Value, origin: Origin) -> bool {
+        match self {
+            Self::Number { min, above_min, max, below_max } => number(value).is_some_and(|x| {
+                x.is_finite()
+                    && (x > *min || !above_min && x == *min)
+                    && (x < *max || !below_max && x == *max)
+            }),
+            Self::Whole { min, max } => whole(value).is_some_and(|x| (*min..=*max).contains(&x)),
+            Self::Text => matches!(value, Value::Text(_)),
+            Self::Texts => matches!(value, Value::Texts(_)),
+            Self::Names(names) => {
+                matches!(value, Value::Text(name) if names.contains(&name.as_str()))
+            }
+            Self::Numbers { len, min, max } => matches!(value, Value::Numbers(numbers)
+                if numbers.len() == *len
+                    && numbers.iter().all(|x| x.is_finite() && min <= x && x <= max)),
+            Self::LeafShape => matches!(value, Value::Text(name)
+                if LeafShape::from_name(name, origin).is_some()),
+            Self::Target => Target::from_value(value).is_some(),
+            Self::LeafTarget => LeafTarget::from_value(value).is_some(),
+        }
+    }
+}
+
+impl fmt::Display for Accepted {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Number { min, above_min, max, below_max } => {
+                let low = if above_min { "above" } else { "at least" };
+                let high = if below_max { "below" } else { "at most" };
+                match (min.is_finite(), max.is_finite()) {
+                    (false, false) => write!(f, "any finite number"),
+                    (true, false) => write!(f, "a number {low} {min}"),
+                    (false, true) => write!(f, "a number {high} {max}"),
+                    (true, true) => write!(f, "a number {low} {min} and {high} {max}"),
+                }
+            }
+            Self::Whole { min, max } if max >= i64::from(i32::MAX) => {
+                if min <= i64::from(i32::MIN) {
+                    write!(f, "a whole number")
+                } else {
+                    write!(f, "a whole number, at least {min}")
+                }
+            }
+            Self::Whole { min, max } => write!(f, "a whole number from {min} to {max}"),
+            Self::Text => write!(f, "a text"),
+            Self::Texts => write!(f, "a list of texts"),
+            Self::Names(names) => {
+                write!(f, "one of")?;
+                names.iter().enumerate().try_for_each(|(i, name)| {
+                    write!(f, "{} {name:?}", if i == 0 { "" } else { "," })
+                })
+            }
+            Self::Numbers { len, min, max } => {
+                write!(f, "a list of {len} numbers")?;
+                match (min.is_finite(), max.is_finite()) {
+                    (false, false) => Ok(()),
+                    (true, false) => write!(f, ", each at least {min}"),
+                    (_, true) => write!(f, ", each from {min} to {max}"),
+                }
+            }
+            Self::LeafShape => {
+                write!(f, "the name of a leaf shape:")?;
+                LeafShape::NAMES.iter().try_for_each(|(name, _)| write!(f, " {name:?},"))?;
+                write!(f, " \"disc:K\" (K from 3 to 1000), \"tree_gen:0\" to \"tree_gen:10\"")
+            }
+            Self::Target => write!(f, "\"up\", a direction [x, y, z] or {{ point = [x, y, z] }}"),
+            Self::LeafTarget => write!(
+                f,
+                "\"outward\", \"scattered\", a direction [x, y, z] or {{ point = [x, y, z] }}"
+            ),
+        }
+    }
+}
