@@ -100,6 +100,13 @@ pub enum ErrorKind {
         /// The accepted name that is spelt most like it.
         suggestion: Option<String>,
     },
+    /// Neither a built-in species nor a file has this name.
+    UnknownSpecies {
+        /// The name.
+        name: String,
+        /// The built-in species that was probably meant.
+        suggestion: Option<String>,
+    },
     /// The file could not be written; what stood there before still does.
     Write {
         /// What the operating system said.
@@ -259,6 +266,10 @@ impl fmt::Display for ErrorKind {
             Self::UnknownName { key, value, accepted, suggestion } => {
                 let meant = Meant(suggestion, "\"", "\"");
                 write!(f, "{key} = \"{value}\" is not known (accepted: {accepted}){meant}")
+            }
+            Self::UnknownSpecies { name, suggestion } => {
+                let meant = Meant(suggestion, "'", "'");
+                write!(f, "no built-in species and no file is called '{name}'{meant}")
             }
             Self::Write { cause } => write!(f, "cannot be written: {cause}"),
             Self::Unwritable { component, reason } => {

@@ -13,6 +13,7 @@ pub use atomic::write_atomically;
 pub use error::{Error, ErrorKind, Place};
 pub use glb::{glb_bytes, write_glb};
 pub use species::{
-    built_in, built_in_names, built_in_text, parse_species, read_species, suggest, write_species,
+    built_in, built_in_names, built_in_text, find_species, parse_species, read_species, suggest,
+    write_species,
 };
 pub use svg::{svg, write_svg};

@@ -22,6 +22,26 @@ pub use write::write_species;
 /// The longest species file that is read; a thousand times the usual.
 const LONGEST: u64 = 1 << 20;
 
+/// The species that `name` stands for: a built-in one, or else the file at that path.
+///
+/// A built-in name wins over a file of the same name; `./name` is always a file.
+///
+/// # Errors
+/// When there is neither, with a suggestion, and those of [`read_species`].
+pub fn find_species(name: &str) -> Result<Species, Error> {
+    if let Some(species) = built_in(name) {
+        return Ok(species);
+    }
+    let path = Path::new(name);
+    // What looks like a path gets the error of a path.
+    let like_a_path = path.components().count() > 1 || path.extension().is_some();
+    if like_a_path || path.exists() {
+        return read_species(path);
+    }
+    let suggestion = suggest(name).map(str::to_owned);
+    Err(Error::new(ErrorKind::UnknownSpecies { name: name.to_owned(), suggestion }))
+}
+
 /// Reads the species file at `path`.
 ///
 /// # Errors
@@ -69,4 +89,26 @@ fn parse(text: &[u8], file: &str) -> Result<Species, Error> {
     }
     let source = source::Source::new(text, file)?;
     read::species(&source)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn species_are_found_by_name_or_path_or_suggested() {
+        assert_eq!(find_species("wheat").unwrap().name, "Wheat");
+        let error = |name| find_species(name).unwrap_err().to_string();
+        assert_eq!(
+            error("oak"),
+            "no built-in species and no file is called 'oak'; did you mean 'ca_black_oak'?"
+        );
+        assert_eq!(error("zebra"), "no built-in species and no file is called 'zebra'");
+        assert!(error("no/oak").starts_with("no/oak: cannot be read: "));
+        assert!(error("oak.toml").starts_with("oak.toml: cannot be read: "));
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("wheat");
+        std::fs::write(&path, built_in_text("apple").unwrap()).unwrap();
+        assert_eq!(find_species(path.to_str().unwrap()).unwrap().name, "Apple");
+    }
 }
