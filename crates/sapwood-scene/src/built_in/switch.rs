@@ -1,0 +1,38 @@
+//! Switches: turning what is below on and off.
+
+use sapwood_geom::content;
+use sapwood_graph::Named;
+
+use crate::{Children, Component, Context, Rule, RuleError};
+
+/// An attribute that shows its child or hides it. What is hidden is not compiled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Switch {
+    /// Whether the child is shown.
+    pub on: bool,
+}
+
+content!(Switch { on });
+
+impl Named for Switch {
+    const NAME: &'static str = "switch";
+}
+
+impl Component for Switch {
+    const CHILDREN: Children = Children::One;
+}
+
+pub(super) struct SwitchRule;
+
+impl Rule for SwitchRule {
+    type Component = Switch;
+    type Data = ();
+    const NAME: &'static str = "switch";
+
+    fn init(&self, switch: &Switch, cx: &mut Context<'_>) -> Result<(), RuleError> {
+        if switch.on {
+            cx.children();
+        }
+        Ok(())
+    }
+}

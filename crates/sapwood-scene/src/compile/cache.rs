@@ -1,0 +1,250 @@
+//! The cache: plans, sites, and the indices by which they are found.
+
+use std::any::Any;
+use std::sync::Arc;
+
+use sapwood_geom::glam::Affine3;
+use sapwood_geom::{Bound, Digest, Digester, FixedMap, fixed_state};
+use sapwood_graph::{CountMemo, Diagnostic, Fragment, FragmentBuilder, Kind, Named, Parts, SiteId};
+use smallvec::SmallVec;
+
+use super::find::PlanGroup;
+use crate::NodeId;
+use crate::column::{AnyColumn, Column};
+use crate::log::EventLog;
+use crate::rules::{AnyRule, Read, RuleIdentity, Scope, no_data};
+use crate::semantic::{ComponentRow, Storage};
+use crate::slots::SlotKey;
+
+/// A component that a link leads to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Target {
+    /// What stands above a view's root: no component, a place for the view to begin.
+    View(u32),
+    /// A component that the user placed; its identity is its id and revision.
+    Authored(NodeId),
+    /// A component that came out of a rule, by its number; its identity is its content.
+    Emitted(u32),
+}
+
+/// The rule number of plans that no rule made.
+pub(crate) const NO_RULE: u32 = u32::MAX;
+
+/// What a rule's `init` made. Immutable but for `revision` and `slot_sets`.
+pub(crate) struct Plan {
+    pub(crate) target: Target,
+    pub(crate) rule: u32,
+    /// The edit of the authored component that the plan still answers to.
+    pub(crate) revision: u64,
+    pub(crate) fragment: Fragment,
+    pub(crate) links: SmallVec<[PlanLink; 1]>,
+    pub(crate) scopes: SmallVec<[Scope; 1]>,
+    pub(crate) parts: Parts,
+    pub(crate) reads: Box<[Read]>,
+    /// The slots behind `reads`, those behind projections included; sorted.
+    pub(crate) slots: Arc<[SlotKey]>,
+    /// The row in the rule's own column; none for an error plan.
+    pub(crate) data: Option<u32>,
+    pub(crate) error: Option<Box<Diagnostic>>,
+    /// The sets of slots by which sites of this plan are found.
+    pub(crate) slot_sets: SmallVec<[Arc<[SlotKey]>; 1]>,
+}
+
+/// A child of a plan: which component, under which key, below which push.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct PlanLink {
+    pub(crate) target: Target,
+    pub(crate) key: u64,
+    pub(crate) scope: u32,
+}
+
+/// A plan in a context.
+///
+/// `key` holds the values of all slots that are read anywhere below, as far as they are known:
+/// it grows while links are filled and is exact when the site is closed. A closed site has no
+/// unfilled link anywhere below it.
+pub(crate) struct Site {
+    pub(crate) plan: u32,
+    pub(crate) view: u32,
+    /// Sorted by slot.
+    pub(crate) key: Vec<(SlotKey, Digest)>,
+    /// Under what the site is indexed; nothing where another site was there first.
+    pub(crate) index: Option<Digest>,
+    pub(crate) links: SmallVec<[Link; 1]>,
+    /// The revision at which everything below was up to date.
+    pub(crate) verified: u64,
+    pub(crate) is_closed: bool,
+    /// Whether the site or something below it has live values.
+    pub(crate) is_moving: bool,
+    /// In the site's own frame; known of closed sites.
+    pub(crate) bound: Option<Bound>,
+    pub(crate) live: Box<[Affine3]>,
+    /// The settling in which the site was last looked at.
+    pub(crate) settled_in: u64,
+}
+
+/// What stands behind a link.
+pub(crate) enum Link {
+    Unfilled,
+    Site(SiteId),
+    /// Nothing, for a reason found at a revision; it holds until something above is newer.
+    Failed(Box<(Diagnostic, u64)>),
+}
+
+/// A rule that some view has used.
+pub(crate) struct KnownRule {
+    pub(crate) identity: RuleIdentity,
+    pub(crate) rule: Arc<dyn AnyRule>,
+    /// The data of all plans that the rule made.
+    pub(crate) data: Box<dyn AnyColumn>,
+}
+
+/// A component that came out of a rule.
+pub(crate) struct Emitted {
+    pub(crate) component: ComponentRow,
+    pub(crate) digest: Digest,
+}
+
+/// Everything that was compiled.
+pub(crate) struct Cache {
+    pub(crate) plans: Column<Plan>,
+    pub(crate) sites: Column<Site>,
+    pub(crate) emitted: Column<Emitted>,
+    pub(crate) emitted_storage: Storage,
+    pub(crate) rules: Vec<KnownRule>,
+    pub(crate) groups: FixedMap<(Target, u32), PlanGroup>,
+    pub(crate) site_index: FixedMap<Digest, SiteId>,
+    pub(crate) emitted_index: FixedMap<(Kind, Digest), u32>,
+    /// Triangles in all plans together.
+    pub(crate) triangles: u64,
+    /// Number of the latest settling.
+    pub(crate) settling: u64,
+    /// Plans that were reachable when it was last looked.
+    pub(crate) n_reachable: usize,
+    pub(crate) counts: CountMemo,
+    pub(crate) log: EventLog,
+    pub(crate) is_checking: bool,
+    #[cfg(feature = "planted-faults")]
+    pub(crate) stops_early: bool,
+}
+
+/// The kind of what stands above a view's root.
+pub(crate) struct ViewRoot;
+
+impl Named for ViewRoot {
+    const NAME: &'static str = "view";
+}
+
+impl Cache {
+    pub(crate) fn new() -> Self {
+        Self {
+            plans: Column::new(),
+            sites: Column::new(),
+            emitted: Column::new(),
+            emitted_storage: Storage::new(),
+            rules: Vec::new(),
+            groups: FixedMap::with_hasher(fixed_state()),
+            site_index: FixedMap::with_hasher(fixed_state()),
+            emitted_index: FixedMap::with_hasher(fixed_state()),
+            triangles: 0,
+            settling: 0,
+            n_reachable: 0,
+            counts: CountMemo::default(),
+            log: EventLog::default(),
+            is_checking: false,
+            #[cfg(feature = "planted-faults")]
+            stops_early: false,
+        }
+    }
+
+    pub(crate) fn plan_of(&self, site: SiteId) -> &Plan {
+        &self.plans[self.sites[site.0].plan]
+    }
+
+    /// The kind that a plan was compiled from.
+    pub(crate) fn kind_of(&self, plan: &Plan) -> Kind {
+        match self.rules.get(plan.rule as usize) {
+            Some(known) => known.identity.kind,
+            None => Kind::of::<ViewRoot>(),
+        }
+    }
+
+    /// What the rule made beside the fragment.
+    pub(crate) fn data_of(&self, plan: &Plan) -> &(dyn Any + Send + Sync) {
+        match (plan.data, self.rules.get(plan.rule as usize)) {
+            (Some(row), Some(known)) => known.data.row(row),
+            _ => no_data(),
+        }
+    }
+
+    /// The digest of everything that a plan is, the reads left out.
+    pub(crate) fn digest_of(&self, plan: &Plan) -> Digest {
+        let mut digester = Digester::new();
+        digester.add(&plan.fragment).add(&plan.parts).add(&plan.links.len());
+        for link in &plan.links {
+            match link.target {
+                Target::View(number) => digester.add(&0u8).add(&number),
+                Target::Authored(node) => {
+                    digester.add(&1u8).add(&slotmap::Key::data(&node).as_ffi())
+                }
+                Target::Emitted(number) => digester.add(&2u8).add(&number),
+            };
+            digester.add(&link.key).add(&link.scope);
+        }
+        digester.add(&plan.scopes.len());
+        for scope in &plan.scopes {
+            digester.add(&scope.outer).add(scope.slot.name()).add(&scope.value.digest);
+        }
+        digester.add(&plan.error.as_ref().map(|error| error.message.as_str()));
+        if let Some(known) = self.rules.get(plan.rule as usize) {
+            known.rule.write_data(self.data_of(plan), &mut digester);
+        }
+        digester.finish()
+    }
+
+    /// Makes the site that stands above a view's root: one link, no component.
+    pub(crate) fn add_root_site(&mut self, view: u32, root: NodeId, kind: Kind) -> SiteId {
+        let mut fragment = FragmentBuilder::new();
+        fragment.deferred(kind, None);
+        let plan = self.plans.insert(Plan {
+            target: Target::View(view),
+            rule: NO_RULE,
+            revision: 0,
+            fragment: fragment.finish(),
+            links: smallvec::smallvec![PlanLink {
+                target: Target::Authored(root),
+                key: 0,
+                scope: u32::MAX
+            }],
+            scopes: SmallVec::new(),
+            parts: Parts::default(),
+            reads: Box::default(),
+            slots: Arc::default(),
+            data: None,
+            error: None,
+            slot_sets: SmallVec::new(),
+        });
+        SiteId(self.sites.insert(Site {
+            plan,
+            view,
+            key: Vec::new(),
+            index: None,
+            links: smallvec::smallvec![Link::Unfilled],
+            verified: 0,
+            is_closed: false,
+            is_moving: false,
+            bound: None,
+            live: Box::default(),
+            settled_in: 0,
+        }))
+    }
+
+    /// Takes a plan and its data out.
+    pub(crate) fn remove_plan(&mut self, number: u32) {
+        let Some(plan) = self.plans.remove(number) else { return };
+        self.triangles -= plan.fragment.n_triangles();
+        if let (Some(row), Some(known)) = (plan.data, self.rules.get_mut(plan.rule as usize)) {
+            known.data.discard(row);
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! Evicting: throwing away what no view shows.
+
+use sapwood_geom::{FixedSet, fixed_state};
+use sapwood_graph::SiteId;
+
+use super::cache::{Cache, Link, Target};
+use crate::log::Action;
+
+impl Cache {
+    /// Whether so much may have become unreachable that looking for it is worth the time.
+    pub(crate) fn may_be_bloated(&self, spare_plans: usize) -> bool {
+        self.plans.len() > 2 * self.n_reachable + spare_plans
+    }
+
+    /// Throws away every site, plan and emitted component that cannot be reached from `roots`.
+    pub(crate) fn evict(&mut self, roots: impl Iterator<Item = SiteId>) {
+        let mut sites: FixedSet<u32> = FixedSet::with_hasher(fixed_state());
+        let mut stack: Vec<SiteId> = roots.collect();
+        while let Some(site) = stack.pop() {
+            if sites.insert(site.0) {
+                for link in &self.sites[site.0].links {
+                    if let Link::Site(child) = link {
+                        stack.push(*child);
+                    }
+                }
+            }
+        }
+        let mut plans: FixedSet<u32> = FixedSet::with_hasher(fixed_state());
+        plans.extend(sites.iter().map(|site| self.sites[*site].plan));
+        self.evict_sites(&sites);
+        self.evict_plans(&plans);
+        self.evict_emitted();
+        self.n_reachable = plans.len();
+    }
+
+    fn evict_sites(&mut self, keep: &FixedSet<u32>) {
+        let gone: Vec<u32> =
+            self.sites.iter().map(|(site, _)| site).filter(|site| !keep.contains(site)).collect();
+        for site in gone {
+            if let Some(index) = self.sites.remove(site).and_then(|row| row.index) {
+                self.site_index.remove(&index);
+            }
+            self.counts.forget(SiteId(site));
+        }
+    }
+
+    fn evict_plans(&mut self, keep: &FixedSet<u32>) {
+        let gone: Vec<u32> =
+            self.plans.iter().map(|(plan, _)| plan).filter(|plan| !keep.contains(plan)).collect();
+        for plan in gone {
+            if let Some(known) = self.rules.get(self.plans[plan].rule as usize) {
+                let (kind, rule) = (known.identity.kind, known.identity.name);
+                self.log.note(Action::Discarded, kind, rule);
+            }
+            self.remove_plan(plan);
+        }
+        self.groups.retain(|_, group| group.retain(&|plan| keep.contains(&plan)));
+    }
+
+    fn evict_emitted(&mut self) {
+        let mut keep: FixedSet<u32> = FixedSet::with_hasher(fixed_state());
+        for (_, plan) in self.plans.iter() {
+            let linked = plan.links.iter().map(|link| link.target);
+            for target in linked.chain([plan.target]) {
+                if let Target::Emitted(number) = target {
+                    keep.insert(number);
+                }
+            }
+        }
+        let gone: Vec<u32> =
+            self.emitted.iter().map(|(number, _)| number).filter(|n| !keep.contains(n)).collect();
+        for number in gone {
+            if let Some(emitted) = self.emitted.remove(number) {
+                let kind = self.emitted_storage.kind(emitted.component);
+                self.emitted_index.remove(&(kind, emitted.digest));
+                self.emitted_storage.remove(emitted.component);
+            }
+        }
+    }
+}

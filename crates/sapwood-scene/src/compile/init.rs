@@ -1,0 +1,96 @@
+//! Running a rule's `init`, and distrusting it.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use sapwood_graph::{EnvId, Interrupted};
+
+use super::cache::Target;
+use super::pull::{Pull, Pushes};
+use crate::log::Action;
+use crate::rules::{Context, Draft, Limits, RuleError};
+use crate::slots::SlotReader;
+
+impl Pull<'_> {
+    /// Runs the rule on a component in an environment. A failure or a panic becomes the draft
+    /// of an error plan; an interruption becomes nothing.
+    pub(super) fn init(
+        &mut self,
+        target: Target,
+        rule: u32,
+        env: EnvId,
+    ) -> Result<Draft, Interrupted> {
+        let limits = Limits {
+            cancel: self.view.cancel.clone(),
+            budget: self.view.budget,
+            triangles: self.cache.triangles,
+            #[cfg(feature = "planted-faults")]
+            drops_reads: self.drops_reads,
+        };
+        limits.check_cancelled()?;
+        let identity = self.cache.rules[rule as usize].identity;
+        self.cache.log.note(Action::Compiled, identity.kind, identity.name);
+        let Self { graph, cache, view, environments, .. } = self;
+        let environments = environments.get_mut().unwrap_or_else(|broken| broken.into_inner());
+        let pushes = Pushes { cache, view };
+        let node = match target {
+            Target::Authored(node) => Some(node),
+            Target::View(_) | Target::Emitted(_) => None,
+        };
+        let slots = SlotReader::new(&pushes, environments, env);
+        let mut cx = Context::new(slots, graph, node, &limits, identity.kind);
+        let component = match target {
+            Target::Authored(node) => graph.component(node).ok(),
+            Target::View(_) => None,
+            Target::Emitted(number) => {
+                Some(cache.emitted_storage.get(cache.emitted[number].component))
+            }
+        };
+        let component = component.expect("wants lead to components that exist");
+        let known = &cache.rules[rule as usize].rule;
+        match catch_unwind(AssertUnwindSafe(|| known.init(component, &mut cx))) {
+            Ok(Ok(data)) => Ok(cx.into_draft(data)),
+            Ok(Err(RuleError::Interrupted(why))) => Err(why),
+            Ok(Err(RuleError::Failed(message))) => Ok(cx.into_error(message)),
+            Err(panic) => {
+                let rule = identity.name;
+                Ok(cx.into_error(format!("rule {rule} panicked: {}", words_of(&*panic))))
+            }
+        }
+    }
+
+    /// Runs the rule again for a plan that was found, and compares.
+    ///
+    /// # Panics
+    /// When the rule makes something else of the same reads: it is no pure function, or a read
+    /// went unrecorded.
+    pub(super) fn check(&mut self, plan: u32, env: EnvId) -> Result<(), Interrupted> {
+        let (target, rule, revision) = {
+            let plan = &self.cache.plans[plan];
+            (plan.target, plan.rule, plan.revision)
+        };
+        let was_on = std::mem::replace(&mut self.cache.log.is_on, false);
+        let again = self.init(target, rule, env);
+        let again = again.and_then(|draft| self.publish_unlimited(target, rule, revision, draft));
+        self.cache.log.is_on = was_on;
+        let again = again?;
+        let is_same = {
+            let (old, new) = (&self.cache.plans[plan], &self.cache.plans[again]);
+            old.reads == new.reads && self.cache.digest_of(old) == self.cache.digest_of(new)
+        };
+        self.cache.remove_plan(again);
+        let identity = self.cache.rules[rule as usize].identity;
+        assert!(
+            is_same,
+            "rule {} compiles {} differently when run again on the same input",
+            identity.name, identity.kind,
+        );
+        Ok(())
+    }
+}
+
+fn words_of(panic: &(dyn Any + Send)) -> &str {
+    let message = panic.downcast_ref::<&str>().copied();
+    let message = message.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
+    message.unwrap_or("without a message")
+}

@@ -1,0 +1,239 @@
+//! Linking: the plan in its context becomes a site, and the parent's link leads to it.
+
+use sapwood_geom::{Digest, Digester, FixedMap, fixed_state};
+use sapwood_graph::{Diagnostic, EnvId, Interrupted, Kind, SiteId, Supplied, Supply, Want};
+use smallvec::SmallVec;
+
+use super::cache::{Link, Plan, Site, Target};
+use super::pull::{Pull, Pushes};
+use crate::slots::{Environments, SlotKey};
+
+impl Pull<'_> {
+    fn environments(&mut self) -> &mut Environments {
+        self.environments.get_mut().unwrap_or_else(|e| e.into_inner())
+    }
+
+    /// Fills one link, unless it is filled already or its site belongs to another environment
+    /// by now.
+    pub(super) fn fill(&mut self, want: Want) -> Result<(), Interrupted> {
+        let Want { env, site, link } = want;
+        let (_, supplied) = self.enter(env, site, link);
+        let previous = match supplied {
+            Supplied::Ready(_) | Supplied::Failed(_) => return Ok(()),
+            Supplied::Previous(_) | Supplied::Foreseen(_) | Supplied::Unknown => {
+                match &self.cache.sites[site.0].links[link as usize] {
+                    Link::Site(previous) => Some(*previous),
+                    Link::Unfilled | Link::Failed(_) => None,
+                }
+            }
+        };
+        if !self.fits(site, env) {
+            return Ok(());
+        }
+        self.cache.sites[site.0].is_closed = false;
+        let target = self.cache.plan_of(site).links[link as usize].target;
+        let emitted = matches!(target, Target::Emitted(_));
+        let child_env = self.environments().enter(env, site, link, emitted);
+        let child = self.child(target, child_env, previous)?;
+        match child {
+            Ok(child) => {
+                self.cache.sites[site.0].links[link as usize] = Link::Site(child);
+                self.grow(child_env);
+            }
+            Err(diagnostic) => {
+                let failed = Box::new((diagnostic, self.graph.revision));
+                self.cache.sites[site.0].links[link as usize] = Link::Failed(failed);
+            }
+        }
+        Ok(())
+    }
+
+    /// The site of a component in an environment, or why there is none.
+    fn child(
+        &mut self,
+        target: Target,
+        env: EnvId,
+        previous: Option<SiteId>,
+    ) -> Result<Result<SiteId, Diagnostic>, Interrupted> {
+        self.cache.resolve_kinds(self.view, self.graph);
+        let Some(kind) = self.target_kind(target) else {
+            let kind = Kind::of::<super::cache::ViewRoot>();
+            let message = "the component was removed from the scene".to_owned();
+            return Ok(Err(Diagnostic { kind, message }));
+        };
+        let Some(rule) = self.rule_for(target) else {
+            let message = format!("the view has no rule for components of kind {kind}");
+            return Ok(Err(Diagnostic { kind, message }));
+        };
+        let n_emitted = self.environments().above(env).map_or(0, |above| above.n_emitted);
+        if n_emitted > self.view.budget.emitted_depth {
+            let message = format!(
+                "more than {} emitted components lie above each other",
+                self.view.budget.emitted_depth
+            );
+            return Ok(Err(Diagnostic { kind, message }));
+        }
+        let plan = self.plan_for(target, rule, env)?;
+        let site = self.site_for(plan, env, previous);
+        if n_emitted > 0 && self.stands_above(site, env) {
+            let message = "the component contains itself with nothing changed".to_owned();
+            return Ok(Err(Diagnostic { kind, message }));
+        }
+        Ok(Ok(site))
+    }
+
+    /// Whether a site stands above the place `env`, among emitted components and whoever
+    /// emitted them. Authored components cannot contain themselves.
+    fn stands_above(&mut self, site: SiteId, env: EnvId) -> bool {
+        let mut at = env;
+        while let Some(above) = self.environments().above(at) {
+            if above.site == site {
+                return true;
+            }
+            if above.n_emitted == 0 {
+                return false;
+            }
+            at = above.env;
+        }
+        false
+    }
+
+    /// The site of a plan in an environment: found by the slots that sites of the plan are
+    /// known to read below, or made.
+    fn site_for(&mut self, plan: u32, env: EnvId, previous: Option<SiteId>) -> SiteId {
+        let row = &self.cache.plans[plan];
+        let mut all: SmallVec<[SlotKey; 4]> = SmallVec::new();
+        for set in &row.slot_sets {
+            let key = set.iter().map(|slot| (*slot, self.value(env, *slot).digest));
+            let index = index_of(plan, self.number, key);
+            if let Some(site) = self.cache.site_index.get(&index) {
+                return *site;
+            }
+            for slot in set.iter() {
+                if let Err(place) = all.binary_search(slot) {
+                    all.insert(place, *slot);
+                }
+            }
+        }
+        // Everything that was ever read below is likely to be read here too.
+        let key = all.iter().map(|slot| (*slot, self.value(env, *slot).digest)).collect();
+        let links = match previous {
+            Some(previous) => self.links_like(row, previous),
+            None => row.links.iter().map(|_| Link::Unfilled).collect(),
+        };
+        let n_live = row.fragment.n_live() as usize;
+        let site = SiteId(self.cache.sites.insert(Site {
+            plan,
+            view: self.number,
+            key,
+            index: None,
+            links,
+            verified: 0,
+            is_closed: false,
+            is_moving: n_live > 0,
+            bound: None,
+            live: vec![sapwood_geom::glam::Affine3::IDENTITY; n_live].into(),
+            settled_in: 0,
+        }));
+        self.enlist_site(site);
+        self.visit(site);
+        site
+    }
+
+    /// Links for a new plan's site, taken over from the site of the plan before it where they
+    /// lead to the same component. Whether they fit is found out on entering.
+    fn links_like(&self, plan: &Plan, previous: SiteId) -> SmallVec<[Link; 1]> {
+        let old = &self.cache.plan_of(previous).links;
+        let filled = |place: usize| match &self.cache.sites[previous.0].links[place] {
+            Link::Site(site) => Link::Site(*site),
+            Link::Unfilled | Link::Failed(_) => Link::Unfilled,
+        };
+        let mut moved: Option<FixedMap<(Target, u64), usize>> = None;
+        let links = plan.links.iter().enumerate().map(|(place, link)| {
+            let same = |place: usize| {
+                old.get(place).is_some_and(|old| (old.target, old.key) == (link.target, link.key))
+            };
+            if same(place) {
+                return filled(place);
+            }
+            let moved = moved.get_or_insert_with(|| {
+                let mut map = FixedMap::with_hasher(fixed_state());
+                map.extend(old.iter().enumerate().map(|(i, old)| ((old.target, old.key), i)));
+                map
+            });
+            moved.get(&(link.target, link.key)).map_or(Link::Unfilled, |place| filled(*place))
+        });
+        links.collect()
+    }
+
+    /// Lets keys grow from the link behind `env` upwards by the slots that are read below.
+    fn grow(&mut self, env: EnvId) {
+        let mut at = env;
+        let mut expected = None;
+        while let Some(above) = self.environments().above(at) {
+            let Link::Site(child) = self.cache.sites[above.site.0].links[above.link as usize]
+            else {
+                return;
+            };
+            if expected.is_some_and(|expected| expected != child) {
+                // The place above belongs to another environment by now.
+                return;
+            }
+            let pushes = Pushes { cache: self.cache, view: self.view };
+            let site = &self.cache.sites[above.site.0];
+            let is_missing = |slot: &SlotKey| {
+                site.key.binary_search_by_key(slot, |(slot, _)| *slot).is_err()
+                    && !pushes.replaces(above.site, above.link, *slot)
+            };
+            let slots = self.cache.sites[child.0].key.iter().map(|(slot, _)| *slot);
+            let missing: SmallVec<[SlotKey; 4]> = slots.filter(is_missing).collect();
+            if missing.is_empty() {
+                return;
+            }
+            for slot in missing {
+                let digest = self.value(above.env, slot).digest;
+                let key = &mut self.cache.sites[above.site.0].key;
+                if let Err(place) = key.binary_search_by_key(&slot, |(slot, _)| *slot) {
+                    key.insert(place, (slot, digest));
+                }
+            }
+            self.enlist_site(above.site);
+            expected = Some(above.site);
+            at = above.env;
+        }
+    }
+
+    /// Makes a site findable by its key as it is now, unless another one is found by it.
+    pub(super) fn enlist_site(&mut self, site: SiteId) {
+        let row = &self.cache.sites[site.0];
+        if matches!(self.cache.plans[row.plan].target, Target::View(_)) {
+            return;
+        }
+        let index = index_of(row.plan, row.view, row.key.iter().copied());
+        if row.index == Some(index) {
+            return;
+        }
+        if let Some(old) = row.index {
+            self.cache.site_index.remove(&old);
+        }
+        let plan = &mut self.cache.plans[row.plan];
+        let is_known = plan.slot_sets.iter().any(|set| {
+            set.len() == row.key.len() && set.iter().zip(&row.key).all(|(a, (b, _))| a == b)
+        });
+        if !is_known {
+            plan.slot_sets.push(row.key.iter().map(|(slot, _)| *slot).collect());
+        }
+        let is_first = *self.cache.site_index.entry(index).or_insert(site) == site;
+        self.cache.sites[site.0].index = is_first.then_some(index);
+    }
+}
+
+/// The digest by which the site of a plan in a view is found.
+fn index_of(plan: u32, view: u32, key: impl Iterator<Item = (SlotKey, Digest)>) -> Digest {
+    let mut digester = Digester::new();
+    digester.add(&plan).add(&view);
+    for (slot, value) in key {
+        digester.add(slot.name()).add(&value);
+    }
+    digester.finish()
+}

@@ -1,0 +1,21 @@
+//! Compiling: from components to plans and sites, one file for each step.
+//!
+//! A want names a link, the environment it was met in, and so a component in a context. It is
+//! [resolved](resolve) to the rule that serves its kind, [found](find) among the plans by what
+//! was read, or made by running the rule's [`init`](init) and [published](publish). The plan in
+//! its context is a site, and the parent's [link] leads to it. A pass ends when sites are
+//! [settled](settle); moving ones are [visited](visit); what nothing shows is [evicted](evict).
+
+mod cache;
+mod evict;
+mod find;
+mod init;
+mod link;
+mod publish;
+mod pull;
+mod resolve;
+mod settle;
+mod visit;
+
+pub(crate) use cache::Cache;
+pub(crate) use pull::Pull;

@@ -1,0 +1,78 @@
+//! Publishing: a draft becomes a plan, and the components in it get their identity.
+
+use sapwood_graph::Interrupted;
+
+use super::cache::{Emitted, Plan, PlanLink, Target};
+use super::pull::Pull;
+use crate::rules::{Draft, DraftTarget};
+use crate::semantic::AnyComponent;
+use sapwood_geom::Digest;
+
+impl Pull<'_> {
+    /// Stores a draft as a plan and tells its number.
+    pub(super) fn publish(
+        &mut self,
+        target: Target,
+        rule: u32,
+        revision: u64,
+        draft: Draft,
+    ) -> Result<u32, Interrupted> {
+        let limit = self.view.budget.triangles;
+        if self.cache.triangles.saturating_add(draft.fragment.n_triangles()) > limit {
+            let component = self.cache.rules[rule as usize].identity.kind.name();
+            return Err(Interrupted::Exhausted { what: "triangles", limit, component });
+        }
+        self.publish_unlimited(target, rule, revision, draft)
+    }
+
+    /// As [`publish`](Self::publish), whatever the budget says.
+    pub(super) fn publish_unlimited(
+        &mut self,
+        target: Target,
+        rule: u32,
+        revision: u64,
+        draft: Draft,
+    ) -> Result<u32, Interrupted> {
+        let Draft { fragment, tables, data, slots, error } = draft;
+        let links = tables.links.into_iter().map(|link| {
+            let target = match link.target {
+                DraftTarget::Authored(node) => Target::Authored(node),
+                DraftTarget::Emitted(digest, component) => self.identify(digest, component),
+            };
+            PlanLink { target, key: link.key, scope: link.scope }
+        });
+        let links = links.collect();
+        let mut reads = tables.reads;
+        // One order for one set, in whatever order the rule happened to ask.
+        reads.sort_by(|a, b| a.key.name().cmp(b.key.name()));
+        let column = &mut self.cache.rules[rule as usize].data;
+        let data = data.map(|data| column.insert_boxed(data));
+        self.cache.triangles += fragment.n_triangles();
+        Ok(self.cache.plans.insert(Plan {
+            target,
+            rule,
+            revision,
+            fragment,
+            links,
+            scopes: tables.scopes,
+            parts: tables.parts,
+            reads: reads.into(),
+            slot_sets: smallvec::smallvec![slots.clone()],
+            slots,
+            data,
+            error,
+        }))
+    }
+
+    /// The emitted component with this content: the one that is there, or this one.
+    fn identify(&mut self, digest: Digest, component: Box<dyn AnyComponent>) -> Target {
+        let kind = component.kind();
+        if let Some(known) = self.cache.emitted_index.get(&(kind, digest)) {
+            return Target::Emitted(*known);
+        }
+        let component = self.cache.emitted_storage.insert_any(component);
+        let number = self.cache.emitted.insert(Emitted { component, digest });
+        self.cache.emitted_index.insert((kind, digest), number);
+        Target::Emitted(number)
+    }
+}

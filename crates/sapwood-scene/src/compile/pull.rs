@@ -1,0 +1,218 @@
+//! A pull: the scene's side of the opening that walks see.
+
+use std::sync::Mutex;
+
+use sapwood_geom::Bound;
+use sapwood_graph::{
+    CountMemo, EnvId, Interrupted, PlanRef, Provide, RenderNode, SiteId, Supplied, Supply, Want,
+};
+
+use super::cache::{Cache, Link, Target};
+use crate::rules::Scope;
+use crate::semantic::Graph;
+use crate::slots::{Environments, LinkPushes, Pushed, SlotKey, SlotValue};
+use crate::view::View;
+
+/// One view's hold on the compiler while a traversal runs.
+pub(crate) struct Pull<'a> {
+    pub(super) graph: &'a Graph,
+    pub(super) cache: &'a mut Cache,
+    pub(super) view: &'a mut View,
+    pub(super) number: u32,
+    /// Behind a lock, for walks may enter links from several threads.
+    pub(super) environments: Mutex<Environments>,
+    #[cfg(feature = "planted-faults")]
+    pub(super) drops_reads: bool,
+}
+
+impl<'a> Pull<'a> {
+    pub(crate) fn new(
+        graph: &'a Graph,
+        cache: &'a mut Cache,
+        view: &'a mut View,
+        number: u32,
+        #[cfg(feature = "planted-faults")] drops_reads: bool,
+    ) -> Self {
+        cache.resolve_kinds(view, graph);
+        let mut pull = Self {
+            graph,
+            cache,
+            view,
+            number,
+            environments: Mutex::new(Environments::new()),
+            #[cfg(feature = "planted-faults")]
+            drops_reads,
+        };
+        pull.visit_moving();
+        pull
+    }
+
+    /// The counts that are kept between countings.
+    pub(crate) fn take_counts(&mut self) -> CountMemo {
+        std::mem::take(&mut self.cache.counts)
+    }
+
+    /// Gives back what [`take_counts`](Self::take_counts) took.
+    pub(crate) fn give_counts(&mut self, counts: CountMemo) {
+        self.cache.counts = counts;
+    }
+
+    /// The value of a slot in an environment.
+    pub(super) fn value(&self, env: EnvId, slot: SlotKey) -> SlotValue {
+        let mut environments = self.environments.lock().unwrap_or_else(|e| e.into_inner());
+        environments.value(&Pushes { cache: self.cache, view: self.view }, env, slot)
+    }
+
+    /// Whether a site's key gives the values that hold in `env`.
+    pub(super) fn fits(&self, site: SiteId, env: EnvId) -> bool {
+        let key = &self.cache.sites[site.0].key;
+        key.iter().all(|(slot, digest)| self.value(env, *slot).digest == *digest)
+    }
+
+    /// Whether the site's own key holds whatever slot of the child's key comes from above.
+    pub(super) fn covers(&self, site: SiteId, link: u32, child: SiteId) -> bool {
+        let pushes = Pushes { cache: self.cache, view: self.view };
+        let key = &self.cache.sites[site.0].key;
+        self.cache.sites[child.0].key.iter().all(|(slot, _)| {
+            key.binary_search_by_key(slot, |(slot, _)| *slot).is_ok()
+                || pushes.replaces(site, link, *slot)
+        })
+    }
+
+    /// Whether a link leads to a component that came out of a rule.
+    pub(super) fn is_emitted(&self, site: SiteId, link: u32) -> bool {
+        let target = self.cache.plan_of(site).links[link as usize].target;
+        matches!(target, Target::Emitted(_))
+    }
+
+    /// What the rule foresaw of the children of a link.
+    fn foreseen(&self, site: SiteId, link: u32) -> Option<&Bound> {
+        let fragment = &self.cache.plan_of(site).fragment;
+        (0..fragment.len()).find_map(|index| match fragment.node(index) {
+            RenderNode::Deferred(run) if (run.first..run.first + run.count).contains(&link) => {
+                run.foreseen
+            }
+            _ => None,
+        })
+    }
+}
+
+impl Supply for Pull<'_> {
+    fn root(&self) -> (EnvId, SiteId) {
+        (Environments::root(), self.view.root_site)
+    }
+
+    fn plan(&self, site: SiteId) -> PlanRef<'_> {
+        let plan = self.cache.plan_of(site);
+        PlanRef {
+            kind: self.cache.kind_of(plan),
+            authored: matches!(plan.target, Target::Authored(_)),
+            fragment: &plan.fragment,
+            data: self.cache.data_of(plan),
+            parts: &plan.parts,
+            live: &self.cache.sites[site.0].live,
+            error: plan.error.as_deref(),
+        }
+    }
+
+    fn enter(&self, env: EnvId, site: SiteId, link: u32) -> (EnvId, Supplied<'_>) {
+        match &self.cache.sites[site.0].links[link as usize] {
+            Link::Failed(failed) if failed.1 >= self.required(site) => {
+                (env, Supplied::Failed(&failed.0))
+            }
+            Link::Failed(_) | Link::Unfilled => match self.foreseen(site, link) {
+                Some(bound) => (env, Supplied::Foreseen(bound)),
+                None => (env, Supplied::Unknown),
+            },
+            // Below a settled site everything was found right when it was settled.
+            Link::Site(child) if self.is_settled(site) => (env, Supplied::Ready(*child)),
+            Link::Site(child) => {
+                if !self.is_current(*child) {
+                    return (env, Supplied::Previous(*child));
+                }
+                let reads_nothing = self.cache.sites[child.0].key.is_empty();
+                if reads_nothing && self.is_settled(*child) {
+                    return (env, Supplied::Ready(*child));
+                }
+                let emitted = self.is_emitted(site, link);
+                let child_env = {
+                    let mut environments =
+                        self.environments.lock().unwrap_or_else(|e| e.into_inner());
+                    environments.enter(env, site, link, emitted)
+                };
+                if self.fits(*child, child_env) && self.covers(site, link, *child) {
+                    (child_env, Supplied::Ready(*child))
+                } else {
+                    (env, Supplied::Unknown)
+                }
+            }
+        }
+    }
+
+    fn is_settled(&self, site: SiteId) -> bool {
+        let row = &self.cache.sites[site.0];
+        row.is_closed && row.verified >= self.required(site)
+    }
+
+    fn bound(&self, site: SiteId) -> Option<&Bound> {
+        self.cache.sites[site.0].bound.as_ref().filter(|_| self.is_settled(site))
+    }
+}
+
+impl Provide for Pull<'_> {
+    fn provide(&mut self, wants: &[Want]) -> Result<(), Interrupted> {
+        for want in wants {
+            self.fill(*want)?;
+        }
+        Ok(())
+    }
+
+    fn begin_pass(&mut self) {
+        self.environments.get_mut().unwrap_or_else(|e| e.into_inner()).clear();
+    }
+
+    fn settle(&mut self) {
+        self.settle_all();
+    }
+}
+
+/// What links push, as environments ask for it.
+pub(super) struct Pushes<'a> {
+    pub(super) cache: &'a Cache,
+    pub(super) view: &'a View,
+}
+
+impl Pushes<'_> {
+    fn scopes(&self, site: SiteId, link: u32) -> impl Iterator<Item = &Scope> {
+        let plan = self.cache.plan_of(site);
+        Scope::outwards(&plan.scopes, plan.links[link as usize].scope)
+    }
+
+    /// Whether what is inherited does not matter behind a link.
+    pub(super) fn replaces(&self, site: SiteId, link: u32, slot: SlotKey) -> bool {
+        !slot.merges() && self.scopes(site, link).any(|scope| scope.slot == slot)
+    }
+}
+
+impl LinkPushes for Pushes<'_> {
+    fn push(&self, site: SiteId, link: u32, slot: SlotKey) -> Pushed<'_> {
+        let mut scopes = self.scopes(site, link).filter(|scope| scope.slot == slot);
+        if !slot.merges() {
+            return scopes.next().map_or(Pushed::Nothing, |scope| Pushed::Replaced(&scope.value));
+        }
+        let mut values: smallvec::SmallVec<_> = scopes.map(|scope| scope.value.clone()).collect();
+        if values.is_empty() {
+            return Pushed::Nothing;
+        }
+        values.reverse();
+        Pushed::Merged(values)
+    }
+
+    fn child_key(&self, site: SiteId, link: u32) -> u64 {
+        self.cache.plan_of(site).links[link as usize].key
+    }
+
+    fn root_value(&self, slot: SlotKey) -> Option<SlotValue> {
+        self.view.held.get(&slot.type_id()).cloned()
+    }
+}

@@ -1,0 +1,101 @@
+//! Resolving: which rule serves a component, and whether what is there still answers to it.
+
+use std::sync::Arc;
+
+use sapwood_graph::{Kind, SiteId};
+
+use super::cache::{Cache, KnownRule, Target};
+use super::pull::Pull;
+use crate::column::AnyColumn;
+use crate::rules::AnyRule;
+use crate::semantic::{ComponentRow, Graph, Storage};
+use crate::view::View;
+
+impl Cache {
+    /// The number of a rule: the same for every view that uses an equal rule.
+    fn rule_number(&mut self, rule: &Arc<dyn AnyRule>) -> u32 {
+        let identity = rule.identity();
+        let known = self.rules.iter().position(|known| known.identity == identity);
+        let number = known.unwrap_or_else(|| {
+            let data: Box<dyn AnyColumn> = rule.new_column();
+            self.rules.push(KnownRule { identity, rule: Arc::clone(rule), data });
+            self.rules.len() - 1
+        });
+        number as u32
+    }
+
+    /// Finds the rule of every kind that has been met.
+    pub(crate) fn resolve_kinds(&mut self, view: &mut View, graph: &Graph) {
+        while view.authored_rules.len() < graph.storage.n_kinds() {
+            let kind = graph.storage.kind_numbered(view.authored_rules.len() as u32);
+            let number = view.rules.rule(kind).map(|rule| self.rule_number(rule));
+            view.authored_rules.push(number);
+        }
+        while view.emitted_rules.len() < self.emitted_storage.n_kinds() {
+            let kind = self.emitted_storage.kind_numbered(view.emitted_rules.len() as u32);
+            let number = view.rules.rule(kind).map(|rule| self.rule_number(rule));
+            view.emitted_rules.push(number);
+        }
+    }
+}
+
+impl Pull<'_> {
+    /// Where a component lies, and in which storage; nothing when it was removed.
+    fn row(&self, target: Target) -> Option<(&Storage, ComponentRow)> {
+        match target {
+            Target::View(_) => None,
+            Target::Authored(node) => {
+                Some((&self.graph.storage, self.graph.node(node).ok()?.component))
+            }
+            Target::Emitted(number) => {
+                Some((&self.cache.emitted_storage, self.cache.emitted[number].component))
+            }
+        }
+    }
+
+    /// The kind of a component; nothing when it was removed.
+    pub(super) fn target_kind(&self, target: Target) -> Option<Kind> {
+        self.row(target).map(|(storage, row)| storage.kind(row))
+    }
+
+    /// The number of the rule that serves a component, where one does.
+    pub(super) fn rule_for(&self, target: Target) -> Option<u32> {
+        let (_, row) = self.row(target)?;
+        let rules = match target {
+            Target::Authored(_) => &self.view.authored_rules,
+            Target::View(_) | Target::Emitted(_) => &self.view.emitted_rules,
+        };
+        rules.get(row.kind as usize).copied().flatten()
+    }
+
+    /// Whether a site's plan is the one that its component and the view's rules ask for, its
+    /// reads left aside.
+    pub(super) fn is_current(&self, site: SiteId) -> bool {
+        let plan = self.cache.plan_of(site);
+        let revision = match plan.target {
+            Target::View(_) => return true,
+            Target::Authored(node) => match self.graph.node(node) {
+                Ok(node) => node.edited,
+                Err(_) => return false,
+            },
+            Target::Emitted(_) => plan.revision,
+        };
+        plan.revision == revision && self.rule_for(plan.target) == Some(plan.rule)
+    }
+
+    /// The revision that everything below a site must have been brought up to.
+    pub(super) fn required(&self, site: SiteId) -> u64 {
+        required(self.graph, self.view, self.cache.plan_of(site).target)
+    }
+}
+
+fn required(graph: &Graph, view: &View, target: Target) -> u64 {
+    // What was removed is out of date whenever anything was edited since.
+    let below = |node| graph.node(node).map_or(graph.revision, |node| node.edited_below);
+    let edited = match target {
+        Target::View(_) => below(view.root).max(view.values_since),
+        Target::Authored(node) => below(node),
+        Target::Emitted(_) => 0,
+    };
+    edited.max(view.rules_since)
+}

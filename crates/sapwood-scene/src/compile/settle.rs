@@ -1,0 +1,136 @@
+//! Settling: what sites know of everything below them, brought up to date from the bottom up.
+//!
+//! Only sites that are not settled are gone into, each once. A site whose every link is filled
+//! and settled is closed: its key becomes exact, its bound is known, and no walk meets a want
+//! below it.
+
+use sapwood_geom::Bound;
+use sapwood_graph::{EnvId, SiteId, Supplied, Supply, fragment_bound};
+
+use super::cache::Link;
+use super::pull::{Pull, Pushes};
+
+/// A site that is being settled.
+struct Open {
+    site: SiteId,
+    env: EnvId,
+    next_link: u32,
+    /// Whether every link so far is filled and settled.
+    is_complete: bool,
+}
+
+impl Pull<'_> {
+    /// Settles everything below the root that can be settled.
+    pub(super) fn settle_all(&mut self) {
+        self.cache.settling += 1;
+        let settling = self.cache.settling;
+        let (env, root) = self.root();
+        if self.is_settled(root) {
+            return;
+        }
+        let mut stack = vec![Open { site: root, env, next_link: 0, is_complete: true }];
+        while let Some(open) = stack.last_mut() {
+            let (site, link) = (open.site, open.next_link);
+            if link as usize == self.cache.sites[site.0].links.len() {
+                let is_complete = open.is_complete;
+                stack.pop();
+                if is_complete {
+                    self.close(site);
+                } else {
+                    self.leave_open(site);
+                }
+                if let Some(parent) = stack.last_mut() {
+                    parent.is_complete &= is_complete;
+                }
+                continue;
+            }
+            open.next_link += 1;
+            match self.enter(open.env, site, link) {
+                (_, Supplied::Failed(_)) => {}
+                (_, Supplied::Ready(child)) if self.is_settled(child) => {}
+                (env, Supplied::Ready(child)) => {
+                    let row = &mut self.cache.sites[child.0];
+                    if row.settled_in == settling {
+                        // Another way led there before and found it incomplete.
+                        open.is_complete = false;
+                    } else {
+                        row.settled_in = settling;
+                        stack.push(Open { site: child, env, next_link: 0, is_complete: true });
+                    }
+                }
+                _ => open.is_complete = false,
+            }
+        }
+    }
+
+    /// The sites behind a site's links.
+    pub(super) fn linked(&self, site: SiteId) -> impl Iterator<Item = SiteId> + '_ {
+        self.cache.sites[site.0].links.iter().filter_map(|link| match link {
+            Link::Site(child) => Some(*child),
+            Link::Unfilled | Link::Failed(_) => None,
+        })
+    }
+
+    fn close(&mut self, site: SiteId) {
+        self.make_key_exact(site);
+        let bound = self.bound_of(site);
+        let is_moving = self.is_moving(site);
+        let row = &mut self.cache.sites[site.0];
+        row.is_closed = true;
+        row.verified = self.graph.revision;
+        row.bound = bound;
+        row.is_moving = is_moving;
+        self.cache.counts.forget(site);
+    }
+
+    fn leave_open(&mut self, site: SiteId) {
+        let is_moving = self.is_moving(site);
+        let row = &mut self.cache.sites[site.0];
+        row.is_closed = false;
+        row.bound = None;
+        row.is_moving = is_moving;
+        self.cache.counts.forget(site);
+    }
+
+    /// The bound of a site from those of its children.
+    pub(super) fn bound_of(&self, site: SiteId) -> Option<Bound> {
+        let row = &self.cache.sites[site.0];
+        let fragment = &self.cache.plans[row.plan].fragment;
+        fragment_bound(fragment, &row.live, |link| match &row.links[link as usize] {
+            Link::Site(child) => self.cache.sites[child.0].bound,
+            Link::Failed(_) => Some(Bound::EMPTY),
+            Link::Unfilled => None,
+        })
+    }
+
+    fn is_moving(&self, site: SiteId) -> bool {
+        !self.cache.sites[site.0].live.is_empty()
+            || self.linked(site).any(|child| self.cache.sites[child.0].is_moving)
+    }
+
+    /// Drops slots from the key that nothing reads any more.
+    fn make_key_exact(&mut self, site: SiteId) {
+        let row = &self.cache.sites[site.0];
+        if row.key.is_empty() {
+            return;
+        }
+        let own = &self.cache.plans[row.plan].slots;
+        let pushes = Pushes { cache: self.cache, view: self.view };
+        let is_read = |slot| {
+            own.binary_search(&slot).is_ok()
+                || row.links.iter().enumerate().any(|(link, child)| match child {
+                    Link::Site(child) => {
+                        let key = &self.cache.sites[child.0].key;
+                        key.binary_search_by_key(&slot, |(slot, _)| *slot).is_ok()
+                            && !pushes.replaces(site, link as u32, slot)
+                    }
+                    Link::Unfilled | Link::Failed(_) => false,
+                })
+        };
+        let exact: Vec<_> = row.key.iter().copied().filter(|(slot, _)| is_read(*slot)).collect();
+        if exact.len() < row.key.len() {
+            self.cache.sites[site.0].key = exact;
+            self.enlist_site(site);
+        }
+    }
+}

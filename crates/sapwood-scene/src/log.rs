@@ -1,0 +1,43 @@
+//! The event log: what the compiler did, for tests and for people who write rules.
+
+use sapwood_graph::Kind;
+
+/// What happened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Action {
+    /// A rule's `init` ran.
+    Compiled,
+    /// A plan was found that answers to what was read, and used again.
+    Reused,
+    /// A plan that nothing shows was thrown away.
+    Discarded,
+    /// A rule's `visit` ran.
+    Visited,
+}
+
+/// Something that happened to a component of a kind, by a rule.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Event {
+    /// What happened.
+    pub action: Action,
+    /// The component's kind.
+    pub kind: Kind,
+    /// The rule's name.
+    pub rule: &'static str,
+}
+
+/// Events in the order in which they happened; off until somebody turns it on.
+#[derive(Debug, Default)]
+pub(crate) struct EventLog {
+    pub(crate) is_on: bool,
+    pub(crate) events: Vec<Event>,
+}
+
+impl EventLog {
+    pub(crate) fn note(&mut self, action: Action, kind: Kind, rule: &'static str) {
+        tracing::trace!(?action, %kind, rule);
+        if self.is_on {
+            self.events.push(Event { action, kind, rule });
+        }
+    }
+}

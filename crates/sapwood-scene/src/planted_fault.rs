@@ -1,0 +1,12 @@
+//! Faults that tests plant in the compiler, to prove that random scripts find them.
+
+/// A fault in the compiler.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PlantedFault {
+    /// Now and then a mark does not climb to the parents.
+    DroppedMark,
+    /// Reads of placement are not recorded.
+    DroppedRead,
+    /// A plan made anew is taken to equal the one before.
+    EarlyStop,
+}

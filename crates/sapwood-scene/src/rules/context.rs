@@ -1,0 +1,265 @@
+//! The context of `init`: what a rule reads from and builds with.
+
+use std::any::Any;
+use std::sync::Arc;
+
+use sapwood_geom::glam::Affine3;
+use sapwood_geom::{Bound, Digest, Polyline, Shared, SharedMesh};
+use sapwood_graph::{
+    Diagnostic, Fragment, FragmentBuilder, Interrupted, Kind, Material, Part, Parts,
+};
+use smallvec::SmallVec;
+
+use super::{Limits, Read, ReadKey};
+use crate::semantic::{AnyComponent, Graph};
+use crate::slots::{Placement, ProjectionKey, SlotKey, SlotReader, SlotValue};
+use crate::{Component, Held, NodeId, Projection, Slot};
+
+/// "Below no push" in links and scopes.
+const NO_SCOPE: u32 = u32::MAX;
+
+/// What a rule reads from and builds with.
+///
+/// Render nodes are added in pre-order; what goes into a transform or below a push is added
+/// inside its closure.
+pub struct Context<'a> {
+    slots: SlotReader<'a>,
+    graph: &'a Graph,
+    node: Option<NodeId>,
+    limits: &'a Limits,
+    component: Kind,
+    triangles: u64,
+    scope: u32,
+    fragment: FragmentBuilder,
+    draft: DraftTables,
+}
+
+/// What `init` made beside the fragment.
+#[derive(Default)]
+pub(crate) struct DraftTables {
+    pub(crate) reads: Vec<Read>,
+    pub(crate) links: SmallVec<[DraftLink; 1]>,
+    pub(crate) scopes: SmallVec<[Scope; 1]>,
+    pub(crate) parts: Parts,
+}
+
+/// A child to be.
+pub(crate) struct DraftLink {
+    pub(crate) target: DraftTarget,
+    pub(crate) key: u64,
+    /// The innermost push above the child, or [`NO_SCOPE`].
+    pub(crate) scope: u32,
+}
+
+pub(crate) enum DraftTarget {
+    Authored(NodeId),
+    Emitted(Digest, Box<dyn AnyComponent>),
+}
+
+/// One push, and the next one outside it.
+pub(crate) struct Scope {
+    pub(crate) outer: u32,
+    pub(crate) slot: SlotKey,
+    pub(crate) value: SlotValue,
+}
+
+impl Scope {
+    /// The scopes from the innermost, `scope`, outwards.
+    pub(crate) fn outwards(scopes: &[Scope], scope: u32) -> impl Iterator<Item = &Scope> {
+        let first = scopes.get(scope as usize);
+        std::iter::successors(first, |scope| scopes.get(scope.outer as usize))
+    }
+}
+
+/// What `init` made, before it becomes a plan.
+pub(crate) struct Draft {
+    pub(crate) fragment: Fragment,
+    pub(crate) tables: DraftTables,
+    pub(crate) data: Option<Box<dyn Any + Send + Sync>>,
+    pub(crate) slots: Arc<[SlotKey]>,
+    pub(crate) error: Option<Box<Diagnostic>>,
+}
+
+impl<'a> Context<'a> {
+    pub(crate) fn new(
+        slots: SlotReader<'a>,
+        graph: &'a Graph,
+        node: Option<NodeId>,
+        limits: &'a Limits,
+        component: Kind,
+    ) -> Self {
+        Self {
+            slots,
+            graph,
+            node,
+            limits,
+            component,
+            triangles: 0,
+            scope: NO_SCOPE,
+            fragment: FragmentBuilder::new(),
+            draft: DraftTables::default(),
+        }
+    }
+
+    /// The draft of a plan that draws and holds nothing and tells why.
+    pub(crate) fn into_error(self, message: String) -> Draft {
+        let error = Some(Box::new(Diagnostic { kind: self.component, message }));
+        let tables = DraftTables { reads: self.draft.reads, ..DraftTables::default() };
+        let slots = self.slots.into_slots();
+        Draft { fragment: Fragment::empty(), tables, data: None, slots, error }
+    }
+
+    pub(crate) fn into_draft(self, data: Box<dyn Any + Send + Sync>) -> Draft {
+        let slots = self.slots.into_slots();
+        let fragment = self.fragment.finish();
+        Draft { fragment, tables: self.draft, data: Some(data), slots, error: None }
+    }
+
+    /// The value of a held slot at this place. The plan is used again wherever the value is the
+    /// same.
+    pub fn read<S: Slot<Rate = Held>>(&mut self) -> Arc<S::Value> {
+        let slot = SlotKey::of::<S>();
+        let value = self.slots.value(slot);
+        self.record(ReadKey::Slot(slot), value.digest);
+        value.typed::<S>()
+    }
+
+    /// The value of a projection at this place. The plan is used again wherever the projection
+    /// gives the same, whatever the slots behind it.
+    pub fn project<P: Projection>(&mut self, projection: P) -> P::Output {
+        let mut reader = self.slots.fork();
+        let output = projection.compute(&mut reader);
+        let slots: Arc<[SlotKey]> = reader.slots.as_slice().into();
+        for slot in slots.iter() {
+            if let Err(place) = self.slots.slots.binary_search(slot) {
+                self.slots.slots.insert(place, *slot);
+            }
+        }
+        let key = ReadKey::Projection(ProjectionKey::new(projection, slots));
+        self.record(key, Digest::of(&output));
+        output
+    }
+
+    fn record(&mut self, key: ReadKey, value: Digest) {
+        #[cfg(feature = "planted-faults")]
+        if self.limits.drops_reads && key.name() == Placement::NAME {
+            return;
+        }
+        if !self.draft.reads.iter().any(|read| read.key.asks_same(&key)) {
+            self.draft.reads.push(Read { key, value });
+        }
+    }
+
+    /// How many children the component has in the semantic graph; none if it was emitted.
+    pub fn n_children(&self) -> usize {
+        self.node.map_or(0, |node| self.graph.children(node).count())
+    }
+
+    /// Adds the component's own children, in order.
+    pub fn children(&mut self) {
+        let Some(node) = self.node else { return };
+        for (child, key) in self.graph.children(node) {
+            if let Ok(kind) = self.graph.kind(child) {
+                self.fragment.deferred(kind, None);
+                let target = DraftTarget::Authored(child);
+                self.draft.links.push(DraftLink { target, key, scope: self.scope });
+            }
+        }
+    }
+
+    /// Adds a component that comes out of this rule; its key is its number among the children.
+    pub fn emit<C: Component>(&mut self, component: C) {
+        let key = self.draft.links.len() as u64;
+        self.emit_keyed(key, component, None);
+    }
+
+    /// Adds a component under a key of the rule's choosing, with a bound in its own frame if
+    /// the rule can tell one without compiling it.
+    pub fn emit_keyed<C: Component>(&mut self, key: u64, component: C, foreseen: Option<Bound>) {
+        self.fragment.deferred(Kind::of::<C>(), foreseen);
+        let target = DraftTarget::Emitted(Digest::of(&component), Box::new(component));
+        self.draft.links.push(DraftLink { target, key, scope: self.scope });
+    }
+
+    /// Places whatever `inside` adds.
+    pub fn transform(&mut self, transform: Affine3, inside: impl FnOnce(&mut Self)) {
+        self.fragment.open_transform(transform);
+        self.push::<Placement>(transform, inside);
+        self.fragment.close();
+    }
+
+    /// Places whatever `inside` adds by a live value that the rule's `visit` keeps up to date,
+    /// and tells the value's number. Placement does not include it: live values move.
+    pub fn live(&mut self, inside: impl FnOnce(&mut Self)) -> u32 {
+        let live = self.fragment.open_live();
+        inside(self);
+        self.fragment.close();
+        live
+    }
+
+    /// Sets a slot for whatever `inside` adds.
+    pub fn push<S: Slot<Rate = Held>>(&mut self, value: S::Value, inside: impl FnOnce(&mut Self)) {
+        self.push_value(SlotKey::of::<S>(), SlotValue::new::<S>(value), inside);
+    }
+
+    pub(crate) fn push_value(
+        &mut self,
+        slot: SlotKey,
+        value: SlotValue,
+        inside: impl FnOnce(&mut Self),
+    ) {
+        let outer = self.scope;
+        self.scope = self.draft.scopes.len() as u32;
+        self.draft.scopes.push(Scope { outer, slot, value });
+        inside(self);
+        self.scope = outer;
+    }
+
+    /// Adds a mesh.
+    pub fn mesh(&mut self, mesh: SharedMesh, material: Arc<Material>) {
+        self.fragment.mesh(mesh, material);
+    }
+
+    /// Adds a mesh repeated at each of `transforms`.
+    pub fn instances(
+        &mut self,
+        mesh: SharedMesh,
+        material: Arc<Material>,
+        transforms: Shared<Vec<Affine3>>,
+    ) {
+        self.fragment.instances(mesh, material, transforms);
+    }
+
+    /// Adds lines.
+    pub fn lines(&mut self, lines: Shared<Vec<Polyline>>) {
+        self.fragment.lines(lines);
+    }
+
+    /// Adds parts: rows that traversals count and hand to whoever knows their type.
+    pub fn parts<P: Part>(&mut self, rows: Vec<P>) {
+        self.draft.parts.add(rows);
+    }
+
+    /// To be called now and then by rules that take long.
+    ///
+    /// # Errors
+    /// When the caller asked to stop; pass it on.
+    pub fn checkpoint(&self) -> Result<(), Interrupted> {
+        self.limits.check_cancelled()
+    }
+
+    /// To be called before memory for triangles is taken; includes a checkpoint.
+    ///
+    /// # Errors
+    /// When the budget does not allow so many, or the caller asked to stop; pass it on.
+    pub fn reserve_triangles(&mut self, n: u64) -> Result<(), Interrupted> {
+        self.checkpoint()?;
+        self.triangles = self.triangles.saturating_add(n);
+        self.limits.check_triangles(self.triangles, self.component.name())
+    }
+}
+
+/// The data of an error plan.
+pub(crate) fn no_data() -> &'static (dyn Any + Send + Sync) {
+    &()
+}

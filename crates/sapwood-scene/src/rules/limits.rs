@@ -1,0 +1,76 @@
+//! What ends compiling early: a caller's wish, or a budget.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use sapwood_graph::Interrupted;
+
+/// A wish to stop that any thread can utter.
+#[derive(Clone, Debug, Default)]
+pub struct CancelToken(Arc<AtomicBool>);
+
+impl CancelToken {
+    /// Asks whoever compiles to stop at the next checkpoint.
+    pub fn cancel(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// Takes the wish back, so that compiling can go on where it stopped.
+    pub fn reset(&self) {
+        self.0.store(false, Ordering::Relaxed);
+    }
+
+    /// Whether somebody asked to stop.
+    pub fn is_cancelled(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+}
+
+/// How much may be compiled.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Budget {
+    /// Triangles in all plans together, every instance counted.
+    pub triangles: u64,
+    /// Plans that are kept although nothing shows them at the moment; past this they are
+    /// discarded.
+    pub spare_plans: usize,
+    /// Emitted components above each other.
+    pub emitted_depth: u32,
+}
+
+impl Default for Budget {
+    /// 50 million triangles, 65,536 spare plans, 1,024 emitted components above each other.
+    fn default() -> Self {
+        Self { triangles: 50_000_000, spare_plans: 65_536, emitted_depth: 1024 }
+    }
+}
+
+/// What one `init` has to keep to.
+#[derive(Clone, Debug)]
+pub(crate) struct Limits {
+    pub(crate) cancel: CancelToken,
+    pub(crate) budget: Budget,
+    /// Triangles in plans that are there already.
+    pub(crate) triangles: u64,
+    #[cfg(feature = "planted-faults")]
+    pub(crate) drops_reads: bool,
+}
+
+impl Limits {
+    pub(crate) fn check_cancelled(&self) -> Result<(), Interrupted> {
+        if self.cancel.is_cancelled() { Err(Interrupted::Cancelled) } else { Ok(()) }
+    }
+
+    /// Fails when `more` triangles would exceed the budget.
+    pub(crate) fn check_triangles(
+        &self,
+        more: u64,
+        component: &'static str,
+    ) -> Result<(), Interrupted> {
+        let limit = self.budget.triangles;
+        if self.triangles.saturating_add(more) > limit {
+            return Err(Interrupted::Exhausted { what: "triangles", limit, component });
+        }
+        Ok(())
+    }
+}

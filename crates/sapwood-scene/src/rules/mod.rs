@@ -1,0 +1,16 @@
+//! Rules: how components of one kind are compiled, and which rule serves which kind.
+
+mod context;
+mod limits;
+mod reads;
+mod rule;
+mod rule_set;
+
+pub use context::Context;
+pub(crate) use context::{Draft, DraftTarget, Scope, no_data};
+pub(crate) use limits::Limits;
+pub use limits::{Budget, CancelToken};
+pub(crate) use reads::{Read, ReadKey};
+pub(crate) use rule::{AnyRule, RuleIdentity};
+pub use rule::{Rule, RuleError, VisitContext};
+pub use rule_set::RuleSet;

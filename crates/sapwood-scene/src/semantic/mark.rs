@@ -1,0 +1,66 @@
+//! Revisions and marks.
+//!
+//! An edit marks the edited node and everything above it. A mark is the revision of the edit;
+//! who brings sites up to date clears nothing, but remembers at which revision it did so. A mark
+//! stops at a node that was marked since anybody last did: then all above it is marked too.
+
+use super::{Graph, NodeId};
+
+impl Graph {
+    /// The number of the edit that is being made.
+    pub(crate) fn next_revision(&mut self) -> u64 {
+        if self.bulk.is_none() {
+            self.revision += 1;
+        }
+        self.revision
+    }
+
+    /// Notes that a node was edited, and marks everything above it.
+    pub(super) fn touch(&mut self, id: NodeId) {
+        let revision = self.next_revision();
+        if let Some(node) = self.nodes.get_mut(id) {
+            node.edited = revision;
+        }
+        match &mut self.bulk {
+            Some(edited) => edited.push(id),
+            None => self.mark(id),
+        }
+    }
+
+    /// Runs many edits as one: they share a revision, and marks climb when all are made.
+    pub(crate) fn begin_bulk(&mut self) -> bool {
+        if self.bulk.is_some() {
+            return false;
+        }
+        self.revision += 1;
+        self.bulk = Some(Vec::new());
+        true
+    }
+
+    /// Ends what [`begin_bulk`](Self::begin_bulk) began.
+    pub(crate) fn end_bulk(&mut self) {
+        for id in self.bulk.take().unwrap_or_default() {
+            self.mark(id);
+        }
+    }
+
+    fn mark(&mut self, id: NodeId) {
+        let revision = self.revision;
+        let mut stack: smallvec::SmallVec<[NodeId; 16]> = smallvec::smallvec![id];
+        while let Some(id) = stack.pop() {
+            let Some(node) = self.nodes.get_mut(id) else { continue };
+            if node.edited_below > self.pulled_at && node.edited_below >= node.edited {
+                continue;
+            }
+            node.edited_below = revision;
+            #[cfg(feature = "planted-faults")]
+            if self.drops_marks && revision.is_multiple_of(5) {
+                continue;
+            }
+            let ends = node.ends;
+            for edge in self.edges.parents(ends) {
+                stack.push(self.edges.get(edge).parent);
+            }
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! Where components lie: one typed column for each kind, for authored and emitted ones alike.
+
+use std::any::{Any, TypeId};
+
+use sapwood_geom::{FixedMap, fixed_state};
+use sapwood_graph::Kind;
+
+use crate::column::{AnyColumn, Column};
+use crate::{Children, Component};
+
+/// Where a component lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct ComponentRow {
+    pub(crate) kind: u32,
+    pub(crate) row: u32,
+}
+
+/// All components of a scene.
+pub(crate) struct Storage {
+    kinds: Vec<KindColumn>,
+    by_type: FixedMap<TypeId, u32>,
+}
+
+struct KindColumn {
+    kind: Kind,
+    children: Children,
+    rows: Box<dyn AnyColumn>,
+}
+
+/// A component on its way into the storage, its type forgotten.
+pub(crate) trait AnyComponent: Any + Send + Sync {
+    fn kind(&self) -> Kind;
+    fn children(&self) -> Children;
+    fn new_column(&self) -> Box<dyn AnyColumn>;
+    fn into_any(self: Box<Self>) -> Box<dyn Any>;
+}
+
+impl<C: Component> AnyComponent for C {
+    fn kind(&self) -> Kind {
+        Kind::of::<C>()
+    }
+
+    fn children(&self) -> Children {
+        C::CHILDREN
+    }
+
+    fn new_column(&self) -> Box<dyn AnyColumn> {
+        Box::new(Column::<C>::new())
+    }
+
+    fn into_any(self: Box<Self>) -> Box<dyn Any> {
+        self
+    }
+}
+
+impl Storage {
+    pub(crate) fn new() -> Self {
+        Self { kinds: Vec::new(), by_type: FixedMap::with_hasher(fixed_state()) }
+    }
+
+    fn kind_number<C: Component>(&mut self) -> u32 {
+        let kinds = &mut self.kinds;
+        *self.by_type.entry(TypeId::of::<C>()).or_insert_with(|| {
+            let rows = Box::new(Column::<C>::new());
+            kinds.push(KindColumn { kind: Kind::of::<C>(), children: C::CHILDREN, rows });
+            kinds.len() as u32 - 1
+        })
+    }
+
+    pub(crate) fn insert<C: Component>(&mut self, component: C) -> ComponentRow {
+        let kind = self.kind_number::<C>();
+        let row = self.column_mut::<C>(kind).insert(component);
+        ComponentRow { kind, row }
+    }
+
+    pub(crate) fn insert_any(&mut self, component: Box<dyn AnyComponent>) -> ComponentRow {
+        let kinds = &mut self.kinds;
+        let kind = *self.by_type.entry((*component).type_id()).or_insert_with(|| {
+            let (kind, children) = ((*component).kind(), (*component).children());
+            kinds.push(KindColumn { kind, children, rows: (*component).new_column() });
+            kinds.len() as u32 - 1
+        });
+        let row = self.kinds[kind as usize].rows.insert_boxed(component.into_any());
+        ComponentRow { kind, row }
+    }
+
+    fn column_mut<C: Component>(&mut self, kind: u32) -> &mut Column<C> {
+        let rows = self.kinds[kind as usize].rows.as_any_mut();
+        rows.downcast_mut().expect("a kind's number leads to its own column")
+    }
+
+    pub(crate) fn remove(&mut self, at: ComponentRow) {
+        self.kinds[at.kind as usize].rows.discard(at.row);
+    }
+
+    /// How many kinds were met.
+    pub(crate) fn n_kinds(&self) -> usize {
+        self.kinds.len()
+    }
+
+    /// The kind with this number, in the order in which kinds were met.
+    pub(crate) fn kind_numbered(&self, number: u32) -> Kind {
+        self.kinds[number as usize].kind
+    }
+
+    pub(crate) fn kind(&self, at: ComponentRow) -> Kind {
+        self.kinds[at.kind as usize].kind
+    }
+
+    pub(crate) fn children(&self, at: ComponentRow) -> Children {
+        self.kinds[at.kind as usize].children
+    }
+
+    pub(crate) fn get(&self, at: ComponentRow) -> &(dyn Any + Send + Sync) {
+        self.kinds[at.kind as usize].rows.row(at.row)
+    }
+
+    /// The component for changing; nothing if it is of another kind.
+    pub(crate) fn get_mut<C: Component>(&mut self, at: ComponentRow) -> Option<&mut C> {
+        let rows = self.kinds[at.kind as usize].rows.as_any_mut();
+        rows.downcast_mut::<Column<C>>()?.get_mut(at.row)
+    }
+}

@@ -1,0 +1,15 @@
+//! Slots: typed values that components inherit from above, and how they are read.
+
+mod built_in;
+mod environment;
+mod projection;
+mod reader;
+mod slot;
+
+pub use built_in::{ChildPath, Placement};
+pub(crate) use environment::{Environments, LinkPushes, Pushed};
+pub use projection::Projection;
+pub(crate) use projection::ProjectionKey;
+pub use reader::SlotReader;
+pub use slot::{Held, Moving, Rate, Slot};
+pub(crate) use slot::{SlotKey, SlotValue};

@@ -1,0 +1,64 @@
+//! Reading slots at a place, and noting which were read.
+
+use std::sync::Arc;
+
+use sapwood_graph::EnvId;
+use smallvec::SmallVec;
+
+use super::{Environments, Held, LinkPushes, Slot, SlotKey, SlotValue};
+
+/// Reads held slots in one environment.
+pub struct SlotReader<'a> {
+    pushes: &'a dyn LinkPushes,
+    environments: &'a mut Environments,
+    env: EnvId,
+    /// The slots read so far, sorted.
+    pub(crate) slots: SmallVec<[SlotKey; 4]>,
+}
+
+impl<'a> SlotReader<'a> {
+    pub(crate) fn new(
+        pushes: &'a dyn LinkPushes,
+        environments: &'a mut Environments,
+        env: EnvId,
+    ) -> Self {
+        Self { pushes, environments, env, slots: SmallVec::new() }
+    }
+
+    /// The value of a held slot.
+    ///
+    /// A slot that moves cannot be read here:
+    /// ```compile_fail
+    /// # use sapwood_scene::{Moving, Slot, SlotReader};
+    /// enum Time {}
+    /// impl Slot for Time {
+    ///     type Value = f32;
+    ///     type Rate = Moving;
+    ///     const NAME: &'static str = "time";
+    ///     fn default() -> f32 { 0.0 }
+    /// }
+    /// fn read(slots: &mut SlotReader<'_>) -> f32 {
+    ///     *slots.read::<Time>()
+    /// }
+    /// ```
+    pub fn read<S: Slot<Rate = Held>>(&mut self) -> Arc<S::Value> {
+        self.value(SlotKey::of::<S>()).typed::<S>()
+    }
+
+    pub(crate) fn value(&mut self, slot: SlotKey) -> SlotValue {
+        if let Err(place) = self.slots.binary_search(&slot) {
+            self.slots.insert(place, slot);
+        }
+        self.environments.value(self.pushes, self.env, slot)
+    }
+
+    /// The slots that were read, as plans keep them.
+    pub(crate) fn into_slots(self) -> Arc<[SlotKey]> {
+        if self.slots.is_empty() { Arc::default() } else { self.slots.as_slice().into() }
+    }
+
+    /// A reader at the same place that notes its own slots.
+    pub(crate) fn fork(&mut self) -> SlotReader<'_> {
+        SlotReader::new(self.pushes, self.environments, self.env)
+    }
+}

@@ -1,0 +1,187 @@
+//! What a slot is, and slot values whose type is forgotten.
+
+use std::any::{Any, TypeId};
+use std::fmt;
+use std::hash::{Hash, Hasher};
+use std::sync::Arc;
+
+use sapwood_geom::{Content, Digest};
+
+/// How often a slot's value changes: [`Held`] or [`Moving`].
+pub trait Rate: sealed::Sealed + 'static {}
+
+/// The rate of slots that change when somebody edits: placement, style, parameters.
+#[derive(Debug)]
+pub enum Held {}
+
+/// The rate of slots that change every frame: time, camera. Rules read them in `visit` alone.
+#[derive(Debug)]
+pub enum Moving {}
+
+impl Rate for Held {}
+impl Rate for Moving {}
+
+mod sealed {
+    pub trait Sealed {}
+    impl Sealed for super::Held {}
+    impl Sealed for super::Moving {}
+}
+
+/// A typed value that is inherited from above.
+///
+/// A held slot is pushed by attributes and rules for everything below them. What is pushed
+/// replaces what was inherited, unless the slot merges.
+pub trait Slot: 'static {
+    /// The type of the values.
+    type Value: Content + Send + Sync + 'static;
+    /// [`Held`] or [`Moving`].
+    type Rate: Rate;
+    /// The slot's name in dumps and diagnostics; unique among the slots of one program.
+    const NAME: &'static str;
+    /// Whether a pushed value is merged with the inherited one.
+    const MERGES: bool = false;
+    /// Whether the value changes from a parent to each of its children.
+    const DESCENDS: bool = false;
+
+    /// The value where nothing was pushed.
+    fn default() -> Self::Value;
+
+    /// What a push below `inherited` results in; asked only of slots that merge.
+    fn merge(inherited: &Self::Value, pushed: &Self::Value) -> Self::Value {
+        let _ = (inherited, pushed);
+        Self::default()
+    }
+
+    /// The value for the child with this key; asked only of slots that descend.
+    fn descend(value: &Self::Value, key: u64) -> Self::Value {
+        let _ = (value, key);
+        Self::default()
+    }
+}
+
+/// A slot value with its digest, its type forgotten.
+#[derive(Clone)]
+pub(crate) struct SlotValue {
+    pub(crate) digest: Digest,
+    value: Arc<dyn Any + Send + Sync>,
+}
+
+impl SlotValue {
+    pub(crate) fn new<S: Slot>(value: S::Value) -> Self {
+        Self { digest: Digest::of(&value), value: Arc::new(value) }
+    }
+
+    /// The value behind it, which a key of slot `S` must have led to.
+    pub(crate) fn typed<S: Slot>(&self) -> Arc<S::Value> {
+        let value = Arc::clone(&self.value);
+        value.downcast().expect("a slot's key leads to values of its type")
+    }
+
+    fn as_ref<S: Slot>(&self) -> &S::Value {
+        self.value.downcast_ref().expect("a slot's key leads to values of its type")
+    }
+}
+
+/// A slot, its type forgotten.
+#[derive(Clone, Copy)]
+pub(crate) struct SlotKey {
+    id: TypeId,
+    table: &'static SlotTable,
+}
+
+struct SlotTable {
+    name: &'static str,
+    default: fn() -> SlotValue,
+    merge: Option<fn(&SlotValue, &SlotValue) -> SlotValue>,
+    descend: Option<fn(&SlotValue, u64) -> SlotValue>,
+}
+
+struct TableOf<S>(S);
+
+impl<S: Slot> TableOf<S> {
+    const TABLE: SlotTable = SlotTable {
+        name: S::NAME,
+        default: || SlotValue::new::<S>(S::default()),
+        merge: if S::MERGES {
+            Some(|inherited, pushed| {
+                SlotValue::new::<S>(S::merge(inherited.as_ref::<S>(), pushed.as_ref::<S>()))
+            })
+        } else {
+            None
+        },
+        descend: if S::DESCENDS {
+            Some(|value, key| SlotValue::new::<S>(S::descend(value.as_ref::<S>(), key)))
+        } else {
+            None
+        },
+    };
+}
+
+impl SlotKey {
+    pub(crate) fn of<S: Slot>() -> Self {
+        Self { id: TypeId::of::<S>(), table: &TableOf::<S>::TABLE }
+    }
+
+    pub(crate) fn name(self) -> &'static str {
+        self.table.name
+    }
+
+    pub(crate) fn type_id(self) -> TypeId {
+        self.id
+    }
+
+    pub(crate) fn default(self) -> SlotValue {
+        (self.table.default)()
+    }
+
+    pub(crate) fn merges(self) -> bool {
+        self.table.merge.is_some()
+    }
+
+    pub(crate) fn descends(self) -> bool {
+        self.table.descend.is_some()
+    }
+
+    /// The value below a push.
+    pub(crate) fn merge(self, inherited: &SlotValue, pushed: &SlotValue) -> SlotValue {
+        self.table.merge.map_or_else(|| pushed.clone(), |merge| merge(inherited, pushed))
+    }
+
+    /// The value for the child with this key.
+    pub(crate) fn descend(self, value: SlotValue, key: u64) -> SlotValue {
+        self.table.descend.map_or_else(|| value.clone(), |descend| descend(&value, key))
+    }
+}
+
+impl PartialEq for SlotKey {
+    fn eq(&self, other: &Self) -> bool {
+        self.id == other.id
+    }
+}
+
+impl Eq for SlotKey {}
+
+impl Hash for SlotKey {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.id.hash(state);
+    }
+}
+
+/// By name: the order of type ids changes from build to build.
+impl Ord for SlotKey {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.name().cmp(other.name()).then_with(|| self.id.cmp(&other.id))
+    }
+}
+
+impl PartialOrd for SlotKey {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl fmt::Debug for SlotKey {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}

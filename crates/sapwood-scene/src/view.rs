@@ -1,0 +1,38 @@
+//! Views: who looks at a scene, with which rules.
+
+use std::any::TypeId;
+use std::sync::Mutex;
+
+use sapwood_geom::FixedMap;
+use sapwood_graph::SiteId;
+
+use crate::slots::SlotValue;
+use crate::{Budget, CancelToken, NodeId, RuleSet};
+
+/// A view of a scene: a root, a rule set, and slot values above the root.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct ViewId(pub(crate) u32);
+
+pub(crate) struct View {
+    pub(crate) root: NodeId,
+    pub(crate) rules: RuleSet,
+    /// For each kind of authored component by its storage number, the number of the rule that
+    /// serves it; `None` where no rule does. Kinds beyond the end have not been met yet.
+    pub(crate) authored_rules: Vec<Option<u32>>,
+    /// The same for kinds of emitted components.
+    pub(crate) emitted_rules: Vec<Option<u32>>,
+    /// The revision at which the rules were replaced.
+    pub(crate) rules_since: u64,
+    /// The revision at which a root value was set.
+    pub(crate) values_since: u64,
+    pub(crate) held: FixedMap<TypeId, SlotValue>,
+    pub(crate) moving: FixedMap<TypeId, SlotValue>,
+    pub(crate) moving_defaults: Mutex<FixedMap<TypeId, SlotValue>>,
+    /// Grows whenever a moving slot is set.
+    pub(crate) tick: u64,
+    /// The tick for which live values were visited.
+    pub(crate) visited_tick: u64,
+    pub(crate) root_site: SiteId,
+    pub(crate) budget: Budget,
+    pub(crate) cancel: CancelToken,
+}

@@ -1,0 +1,14 @@
+//! Sapwood, a dynamic scene graph framework: a compiler from meaning to pictures.
+//!
+//! A semantic graph says *what is there*; rules compile it, on demand, into render graphs that
+//! say what it looks like; traversals do all the work on the result. The crates behind this
+//! facade are its modules.
+
+pub use sapwood_geom as geom;
+pub use sapwood_graph as graph;
+pub use sapwood_scene as scene;
+
+/// The rule set that compiles everything Sapwood knows to full geometry.
+pub fn standard_rules() -> scene::RuleSet {
+    scene::built_in_rules()
+}
