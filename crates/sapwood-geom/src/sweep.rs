@@ -75,6 +75,8 @@ impl Default for SweepOptions {
 struct Laid {
     center: Vec3,
     radius: f32,
+    /// Metres below which `f32` cannot tell points here apart.
+    blur: f32,
     /// Whether the ring is drawn as a point.
     is_point: bool,
     /// Unit vector and distance to the next ring.
@@ -85,6 +87,13 @@ struct Laid {
     v: f32,
     /// Normal of the stretch to the next ring, in the plane of outward (x) and tangent (y).
     slope: Vec2,
+}
+
+impl Laid {
+    /// Whether triangles of the ring would be degenerate beside a stretch of this length.
+    fn is_thin(&self, length: f32) -> bool {
+        self.radius <= self.blur.max(4e-5 * length).max(1e-6)
+    }
 }
 
 /// Turns rings into triangles; holds the working memory, so that sweeping many tubes with one of
@@ -102,32 +111,34 @@ pub struct Sweep {
     tip: Cap,
 }
 
+/// Metres that `f32` cannot tell apart, for each metre from the origin.
+const BLUR: f32 = 2e-6;
+
 /// Rings of half a sphere between its rim and its pole: sine and cosine of 30 and 60 degrees.
 const DOME: [(f32, f32); 2] = [(0.5, 0.866_025_4), (0.866_025_4, 0.5)];
 
 impl Sweep {
     /// Lays a tube through `rings` and returns the number of triangles it has for `section`.
     ///
-    /// Rings turn from one to the next without twist, first toward the stretch between them,
-    /// then toward the next ring's plane, which lies between the two stretches that it joins, nearer
-    /// to square with the shorter.
-    /// A ring that coincides with the one before is left out. Points are rings below 1e-6 m, or
-    /// so thin against their distance from the origin or from the next ring that `f32` could not
-    /// tell their vertices apart.
+    /// Rings turn from one to the next without twist, first toward the stretch between them, then
+    /// into the next ring's plane, which lies between the planes square to the two stretches
+    /// that it joins, nearer to the shorter one's. A ring that coincides with the one before is
+    /// left out. Points are rings below 1e-6 m, or so thin against their distance from the origin
+    /// or from the next ring that `f32` could not tell their vertices apart.
     pub fn lay(&mut self, section: &Section, rings: &[Ring], options: &SweepOptions) -> usize {
         self.repeats = options.repeats.max(1);
         self.base = options.base;
         self.tip = options.tip;
         self.laid.clear();
         self.rows.clear();
+        let before_all = options.start.tangent.unwrap_or(Vec3::Z);
         for ring in rings {
-            self.keep(ring);
+            self.keep(ring, before_all);
+            self.rows.push(self.laid.len() as u32 - 1);
         }
-        self.direct(options.start.tangent.unwrap_or(Vec3::Z));
         if self.tip == Cap::Round {
             self.dome();
         }
-        self.mark_points();
         self.turn(&options.start);
         self.n_triangles(section.n_sides() as usize)
     }
@@ -139,51 +150,44 @@ impl Sweep {
         Some(SweepStart { x: laid.x, tangent: Some(laid.tangent), v: laid.v })
     }
 
-    /// Keeps a ring, or notes that it coincides with the one kept last.
-    fn keep(&mut self, ring: &Ring) {
-        let radius = ring.radius.max(0.0);
-        if let Some(last) = self.laid.last() {
-            let apart = ring.center.distance_squared(last.center)
-                + (radius - last.radius) * (radius - last.radius);
-            let blur = 1e-5 * radius.max(last.radius) + 2e-6 * ring.center.abs().max_element();
-            if apart <= blur * blur {
-                self.rows.push(self.laid.len() as u32 - 1);
+    /// Keeps a ring unless it coincides with the one kept last, and works out the stretch
+    /// between the two; where they share their middle, the direction before goes on.
+    fn keep(&mut self, ring: &Ring, before_all: Vec3) {
+        let Ring { center, radius } = *ring;
+        let radius = radius.max(0.0);
+        let blur = BLUR * center.abs().max_element();
+        let mut onward = before_all;
+        let mut slope = Vec2::X;
+        let before = self.laid.len().checked_sub(2).map(|row| self.laid[row].onward);
+        if let Some(last) = self.laid.last_mut() {
+            let (step, rise) = (center - last.center, radius - last.radius);
+            let length_squared = step.length_squared();
+            let apart = length_squared + rise * rise;
+            let same = 1e-5 * radius.max(last.radius) + blur;
+            if apart <= same * same {
                 return;
             }
+            last.length = length_squared.sqrt();
+            last.onward = if length_squared > (blur * blur).max(1e-12 * rise * rise) {
+                step * (1.0 / last.length)
+            } else {
+                before.unwrap_or(before_all)
+            };
+            last.slope = Vec2::new(last.length, -rise) * (1.0 / apart.sqrt());
+            (onward, slope) = (last.onward, last.slope);
         }
-        self.rows.push(self.laid.len() as u32);
         self.laid.push(Laid {
-            center: ring.center,
+            center,
             radius,
+            blur,
             is_point: false,
-            onward: Vec3::ZERO,
+            onward,
             length: 0.0,
-            tangent: Vec3::ZERO,
+            tangent: onward,
             x: Vec3::ZERO,
             v: 0.0,
-            slope: Vec2::X,
+            slope,
         });
-    }
-
-    /// Works out the stretches between rings; where two rings share their middle, the direction
-    /// before goes on.
-    fn direct(&mut self, before_all: Vec3) {
-        let mut before = before_all;
-        for i in 1..self.laid.len() {
-            let step = self.laid[i].center - self.laid[i - 1].center;
-            let rise = self.laid[i].radius - self.laid[i - 1].radius;
-            let laid = &mut self.laid[i - 1];
-            laid.length = step.length();
-            if laid.length > 1e-6 * rise.abs() {
-                before = step / laid.length;
-            }
-            laid.onward = before;
-            laid.slope = Vec2::new(laid.length, -rise).normalize_or(Vec2::X);
-        }
-        if let [.., last_but_one, last] = self.laid.as_mut_slice() {
-            last.onward = last_but_one.onward;
-            last.slope = last_but_one.slope;
-        }
     }
 
     /// Adds the rings of a round cap.
@@ -192,48 +196,37 @@ impl Sweep {
         if self.laid.len() < 2 || rim.radius <= 1e-6 {
             return;
         }
-        let poles = DOME.into_iter().chain([(1.0, 0.0)]);
-        for (sine, cosine) in poles {
+        for (sine, cosine) in DOME.into_iter().chain([(1.0, 0.0)]) {
             let center = rim.center + rim.onward * (rim.radius * sine);
-            self.laid.push(Laid { center, radius: rim.radius * cosine, ..rim });
-        }
-        self.direct(self.laid[0].onward);
-    }
-
-    fn mark_points(&mut self) {
-        let mut length_before = 0.0f32;
-        for laid in &mut self.laid {
-            let blur = 2e-6 * laid.center.abs().max_element();
-            let thin = 4e-5 * laid.length.max(length_before);
-            laid.is_point = laid.radius <= blur.max(thin).max(1e-6);
-            length_before = laid.length;
+            self.keep(&Ring { center, radius: rim.radius * cosine }, rim.onward);
         }
     }
 
-    /// Works out frames and the texture's way along the tube.
+    /// Works out which rings are points, all frames and the texture's way along the tube.
     fn turn(&mut self, start: &SweepStart) {
-        let n = self.laid.len();
-        if n == 0 {
-            return;
-        }
-        let mut tangent = start.tangent.unwrap_or(self.laid[0].onward);
+        let Some(first) = self.laid.first_mut() else { return };
+        let mut tangent = start.tangent.unwrap_or(first.onward);
         let mut x = upright(start.x, tangent);
         let mut v = start.v;
-        for i in 0..n {
-            if i > 0 {
-                let before = self.laid[i - 1];
-                let laid = self.laid[i];
+        (first.tangent, first.x, first.v) = (tangent, x, v);
+        first.is_point = first.is_thin(first.length);
+        let mut before = *first;
+        let last = self.laid.len() - 1;
+        for (i, laid) in self.laid.iter_mut().enumerate().skip(1) {
+            let next = if i == last {
+                before.onward
+            } else {
                 // The shorter stretch weighs more: a ring must not reach past its neighbours.
                 let halfway = before.onward * laid.length + laid.onward * before.length;
-                let halfway = if i + 1 == n { before.onward } else { halfway };
-                let next = halfway.normalize_or(laid.onward);
-                x = sharpen(carry(carry(x, tangent, before.onward), before.onward, next), next);
-                tangent = next;
-                let around = std::f32::consts::PI * (before.radius + laid.radius);
-                v -= before.length * self.repeats as f32 / around.max(1e-6);
-            }
-            let laid = &mut self.laid[i];
+                halfway.normalize_or(laid.onward)
+            };
+            x = sharpen(carry(carry(x, tangent, before.onward), before.onward, next), next);
+            tangent = next;
+            let around = std::f32::consts::PI * (before.radius + laid.radius);
+            v -= before.length * self.repeats as f32 / around.max(1e-6);
             (laid.tangent, laid.x, laid.v) = (tangent, x, v);
+            laid.is_point = laid.is_thin(laid.length.max(before.length));
+            before = *laid;
         }
     }
 

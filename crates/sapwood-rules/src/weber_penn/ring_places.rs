@@ -26,8 +26,8 @@ pub(crate) fn find_places(
         }));
     }
     if stem.helix_radius != 0.0 {
-        // Twigs wind in hexagons.
-        let n = detail.n_rings(if stem.seed.level < 2 { 10.0 } else { 6.0 }, 4) * stem.curve_res;
+        // A turn for each segment; twigs wind in octagons.
+        let n = detail.n_rings(if stem.seed.level < 2 { 10.0 } else { 8.0 }, 4) * stem.curve_res;
         places.extend((1..n).map(|i| i as f32 / n as f32));
     }
     if stem.taper > 1.0 {
