@@ -8,6 +8,7 @@ use std::any::{Any, TypeId};
 
 use sapwood_geom::{FixedMap, fixed_state};
 
+use crate::parts::Rows;
 use crate::{At, Part};
 
 type PlanHandler<T, S> = Box<dyn Fn(&mut T, &(dyn Any + Send + Sync), &At<'_, S>) + Send + Sync>;
@@ -55,8 +56,8 @@ impl<T: 'static, S: 'static> Handlers<T, S> {
         handler: impl Fn(&mut T, &[P], &At<'_, S>) + Send + Sync + 'static,
     ) -> Self {
         let shim: PartHandler<T, S> = Box::new(move |traversal, rows, at| {
-            if let Some(rows) = rows.downcast_ref::<Vec<P>>() {
-                handler(traversal, rows, at);
+            if let Some(rows) = rows.downcast_ref::<Rows<P>>() {
+                handler(traversal, rows.as_slice(), at);
             }
         });
         let earlier = self.parts.insert(TypeId::of::<P>(), shim);

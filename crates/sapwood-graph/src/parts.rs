@@ -22,53 +22,58 @@ struct Array {
     rows: Box<dyn AnyRows>,
 }
 
+/// The rows of one kind, wherever they lie.
+pub(crate) struct Rows<P>(Box<dyn AsRef<[P]> + Send + Sync>);
+
+impl<P> Rows<P> {
+    pub(crate) fn as_slice(&self) -> &[P] {
+        (*self.0).as_ref()
+    }
+}
+
 trait AnyRows: Send + Sync {
     fn as_any(&self) -> &dyn Any;
-    fn as_any_mut(&mut self) -> &mut dyn Any;
     fn write(&self, digester: &mut Digester);
 }
 
-impl<P: Part> AnyRows for Vec<P> {
+impl<P: Part> AnyRows for Rows<P> {
     fn as_any(&self) -> &dyn Any {
         self
     }
 
-    fn as_any_mut(&mut self) -> &mut dyn Any {
-        self
-    }
-
     fn write(&self, digester: &mut Digester) {
-        digester.add(self);
+        digester.add(self.as_slice());
     }
 }
 
 impl Parts {
-    /// Whether there is no array at all.
+    /// Whether there is no part.
     pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
+        self.len() == 0
     }
 
-    /// Adds `rows` behind the parts of the same kind that are there already.
-    pub fn add<P: Part>(&mut self, mut rows: Vec<P>) {
+    /// How many parts there are of all kinds together.
+    pub fn len(&self) -> usize {
+        self.0.iter().map(|array| array.len).sum()
+    }
+
+    /// Adds the plan's parts of type `P`: a vector, or something shared that holds a slice.
+    ///
+    /// # Panics
+    /// When parts of this type were added before.
+    pub fn add<P: Part>(&mut self, rows: impl AsRef<[P]> + Send + Sync + 'static) {
         let kind = Kind::of::<P>();
-        let earlier = self.0.iter_mut().find(|array| array.kind == kind);
-        match earlier
-            .and_then(|array| Some((array.rows.as_any_mut().downcast_mut()?, &mut array.len)))
-        {
-            Some((earlier, len)) => {
-                let earlier: &mut Vec<P> = earlier;
-                earlier.append(&mut rows);
-                *len = earlier.len();
-            }
-            None => self.0.push(Array { kind, len: rows.len(), rows: Box::new(rows) }),
-        }
+        assert!(!self.0.iter().any(|array| array.kind == kind), "{kind} parts were added twice");
+        let len = rows.as_ref().len();
+        self.0.push(Array { kind, len, rows: Box::new(Rows(Box::new(rows))) });
     }
 
     /// All parts of type `P`; empty where the plan has none.
     pub fn of<P: Part>(&self) -> &[P] {
         let kind = Kind::of::<P>();
         let array = self.0.iter().find(|array| array.kind == kind);
-        array.and_then(|array| array.rows.as_any().downcast_ref::<Vec<P>>()).map_or(&[], |v| v)
+        let rows = array.and_then(|array| array.rows.as_any().downcast_ref::<Rows<P>>());
+        rows.map_or(&[], Rows::as_slice)
     }
 
     /// The kinds of parts and how many there are of each.

@@ -117,6 +117,8 @@ pub(crate) struct Cache {
     pub(crate) emitted_index: FixedMap<(Kind, Digest), u32>,
     /// Triangles in all plans together.
     pub(crate) triangles: u64,
+    /// Parts in all plans together.
+    pub(crate) n_parts: u64,
     /// Number of the latest settling.
     pub(crate) settling: u64,
     /// Plans that were reachable when it was last looked.
@@ -147,6 +149,7 @@ impl Cache {
             site_index: FixedMap::with_hasher(fixed_state()),
             emitted_index: FixedMap::with_hasher(fixed_state()),
             triangles: 0,
+            n_parts: 0,
             settling: 0,
             n_reachable: 0,
             counts: CountMemo::default(),
@@ -243,6 +246,7 @@ impl Cache {
     pub(crate) fn remove_plan(&mut self, number: u32) {
         let Some(plan) = self.plans.remove(number) else { return };
         self.triangles -= plan.fragment.n_triangles();
+        self.n_parts -= plan.parts.len() as u64;
         if let (Some(row), Some(known)) = (plan.data, self.rules.get_mut(plan.rule as usize)) {
             known.data.discard(row);
         }

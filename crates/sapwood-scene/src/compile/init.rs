@@ -12,6 +12,18 @@ use crate::rules::{Context, Draft, Limits, RuleError};
 use crate::slots::SlotReader;
 
 impl Pull<'_> {
+    /// What the view may still compile.
+    pub(super) fn limits(&self) -> Limits {
+        Limits {
+            cancel: self.view.cancel.clone(),
+            budget: self.view.budget,
+            triangles: self.cache.triangles,
+            n_parts: self.cache.n_parts,
+            #[cfg(feature = "planted-faults")]
+            drops_reads: self.drops_reads,
+        }
+    }
+
     /// Runs the rule on a component in an environment. A failure or a panic becomes the draft
     /// of an error plan; an interruption becomes nothing.
     pub(super) fn init(
@@ -20,13 +32,7 @@ impl Pull<'_> {
         rule: u32,
         env: EnvId,
     ) -> Result<Draft, Interrupted> {
-        let limits = Limits {
-            cancel: self.view.cancel.clone(),
-            budget: self.view.budget,
-            triangles: self.cache.triangles,
-            #[cfg(feature = "planted-faults")]
-            drops_reads: self.drops_reads,
-        };
+        let limits = self.limits();
         limits.check_cancelled()?;
         let identity = self.cache.rules[rule as usize].identity;
         self.cache.log.note(Action::Compiled, identity.kind, identity.name);

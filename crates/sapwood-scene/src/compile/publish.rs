@@ -17,11 +17,10 @@ impl Pull<'_> {
         revision: u64,
         draft: Draft,
     ) -> Result<u32, Interrupted> {
-        let limit = self.view.budget.triangles;
-        if self.cache.triangles.saturating_add(draft.fragment.n_triangles()) > limit {
-            let component = self.cache.rules[rule as usize].identity.kind.name();
-            return Err(Interrupted::Exhausted { what: "triangles", limit, component });
-        }
+        let component = self.cache.rules[rule as usize].identity.kind.name();
+        let limits = self.limits();
+        limits.check_triangles(draft.fragment.n_triangles(), component)?;
+        limits.check_parts(draft.tables.parts.len() as u64, component)?;
         self.publish_unlimited(target, rule, revision, draft)
     }
 
@@ -48,6 +47,7 @@ impl Pull<'_> {
         let column = &mut self.cache.rules[rule as usize].data;
         let data = data.map(|data| column.insert_boxed(data));
         self.cache.triangles += fragment.n_triangles();
+        self.cache.n_parts += tables.parts.len() as u64;
         Ok(self.cache.plans.insert(Plan {
             target,
             rule,

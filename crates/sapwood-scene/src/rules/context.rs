@@ -29,6 +29,7 @@ pub struct Context<'a> {
     limits: &'a Limits,
     component: Kind,
     triangles: u64,
+    n_parts: u64,
     scope: u32,
     fragment: FragmentBuilder,
     draft: DraftTables,
@@ -95,6 +96,7 @@ impl<'a> Context<'a> {
             limits,
             component,
             triangles: 0,
+            n_parts: 0,
             scope: NO_SCOPE,
             fragment: FragmentBuilder::new(),
             draft: DraftTables::default(),
@@ -235,9 +237,13 @@ impl<'a> Context<'a> {
         self.fragment.lines(lines);
     }
 
-    /// Adds parts: rows that traversals count and hand to whoever knows their type.
-    pub fn parts<P: Part>(&mut self, rows: Vec<P>) {
-        self.draft.parts.add(rows);
+    /// Adds the component's parts of type `P`: rows that traversals count and hand to whoever
+    /// knows their type, as a vector or as something shared that holds a slice.
+    ///
+    /// # Panics
+    /// When parts of this type were added before; the component becomes an error then.
+    pub fn parts<P: Part>(&mut self, rows: impl AsRef<[P]> + Send + Sync + 'static) {
+        self.draft.parts.add::<P>(rows);
     }
 
     /// To be called now and then by rules that take long.
@@ -246,6 +252,16 @@ impl<'a> Context<'a> {
     /// When the caller asked to stop; pass it on.
     pub fn checkpoint(&self) -> Result<(), Interrupted> {
         self.limits.check_cancelled()
+    }
+
+    /// To be called before memory for parts is taken; includes a checkpoint.
+    ///
+    /// # Errors
+    /// When the budget does not allow so many, or the caller asked to stop; pass it on.
+    pub fn reserve_parts(&mut self, n: u64) -> Result<(), Interrupted> {
+        self.checkpoint()?;
+        self.n_parts = self.n_parts.saturating_add(n);
+        self.limits.check_parts(self.n_parts, self.component.name())
     }
 
     /// To be called before memory for triangles is taken; includes a checkpoint.

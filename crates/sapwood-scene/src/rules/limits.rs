@@ -31,6 +31,8 @@ impl CancelToken {
 pub struct Budget {
     /// Triangles in all plans together, every instance counted.
     pub triangles: u64,
+    /// Parts in all plans together.
+    pub parts: u64,
     /// Plans that are kept although nothing shows them at the moment; past this they are
     /// discarded.
     pub spare_plans: usize,
@@ -39,9 +41,9 @@ pub struct Budget {
 }
 
 impl Default for Budget {
-    /// 50 million triangles, 65,536 spare plans, 1,024 emitted components above each other.
+    /// 50 million triangles, 20 million parts, 65,536 spare plans, 1,024 emitted components above each other.
     fn default() -> Self {
-        Self { triangles: 50_000_000, spare_plans: 65_536, emitted_depth: 1024 }
+        Self { triangles: 50_000_000, parts: 20_000_000, spare_plans: 65_536, emitted_depth: 1024 }
     }
 }
 
@@ -52,6 +54,8 @@ pub(crate) struct Limits {
     pub(crate) budget: Budget,
     /// Triangles in plans that are there already.
     pub(crate) triangles: u64,
+    /// Parts in plans that are there already.
+    pub(crate) n_parts: u64,
     #[cfg(feature = "planted-faults")]
     pub(crate) drops_reads: bool,
 }
@@ -70,6 +74,19 @@ impl Limits {
         let limit = self.budget.triangles;
         if self.triangles.saturating_add(more) > limit {
             return Err(Interrupted::Exhausted { what: "triangles", limit, component });
+        }
+        Ok(())
+    }
+
+    /// Fails when `more` parts would exceed the budget.
+    pub(crate) fn check_parts(
+        &self,
+        more: u64,
+        component: &'static str,
+    ) -> Result<(), Interrupted> {
+        let limit = self.budget.parts;
+        if self.n_parts.saturating_add(more) > limit {
+            return Err(Interrupted::Exhausted { what: "parts", limit, component });
         }
         Ok(())
     }
