@@ -127,7 +127,7 @@ fn outline(points: &[(Vec2, f32)], thinnest: f32) -> impl Iterator<Item = Vec2> 
 struct Frame {
     min: Vec2,
     max: Vec2,
-    /// The height of the lowest point, where the ruler stands.
+    /// The height where the ruler stands: the ground, or the lowest point above it.
     foot: f32,
     /// Units of the picture in one metre; a power of ten.
     per_metre: f32,
@@ -159,7 +159,7 @@ impl Frame {
         Self {
             min,
             max,
-            foot,
+            foot: if max.y > 0.0 { foot.max(0.0) } else { foot },
             per_metre,
             thinnest: 0.5 * THINNEST * (max.y - min.y).max(max.x - min.x) / PIXELS,
         }
@@ -235,7 +235,7 @@ impl Frame {
         text
     }
 
-    /// An upright scale bar with its length in metres, standing on the lowest drawn point.
+    /// An upright scale bar with its length in metres, standing on the ground.
     fn ruler(&self, text: &mut String) {
         let size = self.max - self.min;
         let metres = round_length(0.5 * size.y);

@@ -8,6 +8,8 @@ use json::validation::{Checked::Valid, USize64};
 use sapwood_geom::glam::{Vec2, Vec3};
 use sapwood_geom::{Aabb, Mesh};
 
+use super::merge::Part;
+
 /// The accessors of one primitive.
 pub(super) struct Accessors {
     pub(super) positions: Index<json::Accessor>,
@@ -16,119 +18,92 @@ pub(super) struct Accessors {
     pub(super) indices: Index<json::Accessor>,
 }
 
-/// Bytes that a primitive takes in the binary chunk.
-pub(super) fn byte_length(n_vertices: u64, n_indices: u64) -> u64 {
-    let index = if fits_short(n_vertices) { 2 } else { 4 };
-    n_vertices * 32 + (n_indices * index).next_multiple_of(4)
+/// Bytes that a part takes in the binary chunk.
+pub(super) fn byte_length(part: &Part<'_>) -> u64 {
+    let (n_vertices, n_indices) = part.size();
+    n_vertices * 32 + (n_indices * index_size(n_vertices)).next_multiple_of(4)
 }
 
-/// Whether 16 bits number the vertices; the largest number is kept free, for it restarts
-/// primitives on some devices.
-fn fits_short(n_vertices: u64) -> bool {
-    n_vertices <= u64::from(u16::MAX)
+/// Two bytes where 16 bits number the vertices, else four; the largest number is kept free, for
+/// it restarts primitives on some devices.
+fn index_size(n_vertices: u64) -> u64 {
+    if n_vertices <= u64::from(u16::MAX) { 2 } else { 4 }
 }
 
-/// The binary chunk while it grows; every view starts at a multiple of four bytes.
+/// The binary chunk while it is filled; every view starts at a multiple of four bytes.
 #[derive(Default)]
 pub(super) struct BufferBuilder {
     bytes: Vec<u8>,
+    /// Where the next part goes.
+    next: usize,
 }
 
 impl BufferBuilder {
-    /// Adds the vertices and triangles of `mesh`; the error says what glTF does not allow.
-    pub(super) fn add(&mut self, root: &mut json::Root, mesh: &Mesh) -> Result<Accessors, String> {
-        check(mesh)?;
-        let bounds = Aabb::of_points(mesh.positions.iter().copied());
-        let extremes = Some((value(bounds.min), value(bounds.max)));
-        let positions = self.vectors(root, &mesh.positions, extremes);
-        let normals = self.vectors(root, &mesh.normals, None);
-        let start = self.bytes.len();
-        for Vec2 { x, y } in &mesh.uvs {
-            self.float(*x);
-            self.float(*y);
-        }
-        let kind = (ComponentType::F32, Type::Vec2, Target::ArrayBuffer);
-        let uvs = self.accessor(root, start, mesh.uvs.len(), kind, None);
-        let indices = self.indices(root, mesh);
-        Ok(Accessors { positions, normals, uvs, indices })
+    /// A chunk of this many bytes, the sum of all parts.
+    pub(super) fn new(bytes: u64) -> Self {
+        Self { bytes: vec![0; bytes as usize], next: 0 }
     }
 
-    fn vectors(
+    /// Adds the vertices and triangles of `part`; the error says what glTF does not allow.
+    pub(super) fn add(
         &mut self,
         root: &mut json::Root,
-        vectors: &[Vec3],
-        extremes: Option<(json::Value, json::Value)>,
-    ) -> Index<json::Accessor> {
-        let start = self.bytes.len();
-        for Vec3 { x, y, z } in vectors {
-            self.float(*x);
-            self.float(*y);
-            self.float(*z);
+        part: &Part<'_>,
+    ) -> Result<Accessors, String> {
+        if !part.is_triangles() {
+            return Err("a mesh has indices that are no triangle".to_owned());
         }
-        let kind = (ComponentType::F32, Type::Vec3, Target::ArrayBuffer);
-        self.accessor(root, start, vectors.len(), kind, extremes)
-    }
+        let (n_vertices, n_indices) = part.size();
+        let index_size = index_size(n_vertices) as usize;
+        let (n_vertices, n_indices) = (n_vertices as usize, n_indices as usize);
+        let mut bounds = Aabb::EMPTY;
 
-    fn indices(&mut self, root: &mut json::Root, mesh: &Mesh) -> Index<json::Accessor> {
-        let start = self.bytes.len();
-        let component = if fits_short(mesh.positions.len() as u64) {
-            for index in &mesh.indices {
-                self.bytes.extend_from_slice(&(*index as u16).to_le_bytes());
+        let start = self.next;
+        self.next += byte_length(part) as usize;
+        let (positions, rest) = self.bytes[start..self.next].split_at_mut(n_vertices * 12);
+        let (normals, rest) = rest.split_at_mut(n_vertices * 12);
+        let (uvs, indices) = rest.split_at_mut(n_vertices * 8);
+        let (mut vertex, mut index) = (0, 0);
+        part.each_mesh(|mesh| {
+            check(mesh)?;
+            bounds = mesh.positions.iter().fold(bounds, |bounds, point| bounds.with_point(*point));
+            write_floats(&mut positions[vertex * 12..], &mesh.positions, Vec3::to_array);
+            write_floats(&mut normals[vertex * 12..], &mesh.normals, Vec3::to_array);
+            write_floats(&mut uvs[vertex * 8..], &mesh.uvs, Vec2::to_array);
+            let places = indices[index * index_size..].chunks_exact_mut(index_size);
+            for (place, i) in places.zip(&mesh.indices) {
+                // The lower half of a number that fits is the number.
+                place.copy_from_slice(&(vertex as u32 + i).to_le_bytes()[..index_size]);
             }
-            ComponentType::U16
-        } else {
-            for index in &mesh.indices {
-                self.bytes.extend_from_slice(&index.to_le_bytes());
-            }
-            ComponentType::U32
+            vertex += mesh.positions.len();
+            index += mesh.indices.len();
+            Ok::<_, String>(())
+        })?;
+
+        let vectors = (ComponentType::F32, Type::Vec3, Target::ArrayBuffer);
+        let pairs = (ComponentType::F32, Type::Vec2, Target::ArrayBuffer);
+        let numbers = if index_size == 2 { ComponentType::U16 } else { ComponentType::U32 };
+        let numbers = (numbers, Type::Scalar, Target::ElementArrayBuffer);
+        let mut at = start;
+        let mut next = |count, size, kind| {
+            let accessor = accessor(root, at, count, size, kind);
+            at += count * size;
+            accessor
         };
-        let kind = (component, Type::Scalar, Target::ElementArrayBuffer);
-        self.accessor(root, start, mesh.indices.len(), kind, None)
-    }
-
-    fn float(&mut self, value: f32) {
-        self.bytes.extend_from_slice(&value.to_le_bytes());
-    }
-
-    /// A view over everything since `start` and an accessor over the whole view.
-    fn accessor(
-        &mut self,
-        root: &mut json::Root,
-        start: usize,
-        count: usize,
-        (component, type_, target): (ComponentType, Type, Target),
-        extremes: Option<(json::Value, json::Value)>,
-    ) -> Index<json::Accessor> {
-        let view = root.push(json::buffer::View {
-            buffer: Index::new(0),
-            byte_length: USize64::from(self.bytes.len() - start),
-            byte_offset: (start > 0).then(|| USize64::from(start)),
-            byte_stride: None,
-            name: None,
-            target: Some(Valid(target)),
-            extensions: None,
-            extras: None,
-        });
-        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
-        let (min, max) = extremes.unzip();
-        root.push(json::Accessor {
-            buffer_view: Some(view),
-            byte_offset: None,
-            count: USize64::from(count),
-            component_type: Valid(GenericComponentType(component)),
-            type_: Valid(type_),
-            min,
-            max,
-            name: None,
-            normalized: false,
-            sparse: None,
-            extensions: None,
-            extras: None,
-        })
+        let accessors = Accessors {
+            positions: next(n_vertices, 12, vectors),
+            normals: next(n_vertices, 12, vectors),
+            uvs: next(n_vertices, 8, pairs),
+            indices: next(n_indices, index_size, numbers),
+        };
+        let positions = &mut root.accessors[accessors.positions.value()];
+        (positions.min, positions.max) = (Some(value(bounds.min)), Some(value(bounds.max)));
+        Ok(accessors)
     }
 
     /// Declares the buffer and hands over its bytes; nothing where it is empty.
     pub(super) fn finish(self, root: &mut json::Root) -> Option<Vec<u8>> {
+        debug_assert_eq!(self.next, self.bytes.len());
         if self.bytes.is_empty() {
             return None;
         }
@@ -141,6 +116,46 @@ impl BufferBuilder {
         });
         Some(self.bytes)
     }
+}
+
+fn write_floats<T, const N: usize>(bytes: &mut [u8], vectors: &[T], to_array: fn(&T) -> [f32; N]) {
+    for (place, vector) in bytes.chunks_exact_mut(N * 4).zip(vectors) {
+        place.copy_from_slice(to_array(vector).map(f32::to_le_bytes).as_flattened());
+    }
+}
+
+/// A view of `count` elements of `size` bytes from `start`, and an accessor over all of it.
+fn accessor(
+    root: &mut json::Root,
+    start: usize,
+    count: usize,
+    size: usize,
+    (component, type_, target): (ComponentType, Type, Target),
+) -> Index<json::Accessor> {
+    let view = root.push(json::buffer::View {
+        buffer: Index::new(0),
+        byte_length: USize64::from(count * size),
+        byte_offset: (start > 0).then(|| USize64::from(start)),
+        byte_stride: None,
+        name: None,
+        target: Some(Valid(target)),
+        extensions: None,
+        extras: None,
+    });
+    root.push(json::Accessor {
+        buffer_view: Some(view),
+        byte_offset: None,
+        count: USize64::from(count),
+        component_type: Valid(GenericComponentType(component)),
+        type_: Valid(type_),
+        min: None,
+        max: None,
+        name: None,
+        normalized: false,
+        sparse: None,
+        extensions: None,
+        extras: None,
+    })
 }
 
 fn value(vector: Vec3) -> json::Value {

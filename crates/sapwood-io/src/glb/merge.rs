@@ -6,8 +6,6 @@ use sapwood_geom::Mesh;
 use sapwood_geom::glam::Affine3;
 use sapwood_graph::{Body, DrawRow, Material};
 
-use super::buffer;
-
 /// What becomes one primitive: rows of one body with equal materials.
 pub(super) struct Part<'a> {
     pub(super) material: &'a Arc<Material>,
@@ -37,14 +35,8 @@ fn n_copies(row: &DrawRow) -> usize {
 }
 
 impl Part<'_> {
-    /// Bytes that the part takes in the binary chunk.
-    pub(super) fn byte_length(&self) -> u64 {
-        let (vertices, indices) = self.size();
-        buffer::byte_length(vertices, indices)
-    }
-
-    /// Number of vertices and of indices.
-    fn size(&self) -> (u64, u64) {
+    /// Number of vertices and of indices, every instance counted.
+    pub(super) fn size(&self) -> (u64, u64) {
         self.rows.iter().fold((0, 0), |(vertices, indices), row| {
             let n = n_copies(row) as u64;
             (
@@ -54,37 +46,40 @@ impl Part<'_> {
         })
     }
 
-    /// All rows as one mesh in the body's frame.
-    pub(super) fn merged(&self) -> Mesh {
-        let (vertices, indices) = self.size();
-        let mut merged = Mesh {
-            positions: Vec::with_capacity(vertices as usize),
-            normals: Vec::with_capacity(vertices as usize),
-            uvs: Vec::with_capacity(vertices as usize),
-            indices: Vec::with_capacity(indices as usize),
+    /// Whether every row's indices come in threes.
+    pub(super) fn is_triangles(&self) -> bool {
+        self.rows.iter().all(|row| row.mesh.indices.len().is_multiple_of(3))
+    }
+
+    /// Hands every mesh of the part to `take`, in the body's frame, one after the other.
+    ///
+    /// A mesh that is not moved keeps every bit. No more than one mesh is copied at a time.
+    pub(super) fn each_mesh<E>(
+        &self,
+        mut take: impl FnMut(&Mesh) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let mut moved = Mesh::default();
+        let mut place = |mesh: &Mesh, transform: &Affine3| {
+            if *transform == Affine3::IDENTITY {
+                return take(mesh);
+            }
+            moved.positions.clear();
+            moved.normals.clear();
+            moved.uvs.clear();
+            moved.indices.clear();
+            moved.append(mesh, transform);
+            take(&moved)
         };
         for row in &self.rows {
             match &row.instances {
-                None => append(&mut merged, &row.mesh, &row.local),
+                None => place(&row.mesh, &row.local)?,
                 Some(instances) => {
                     for instance in instances.iter() {
-                        append(&mut merged, &row.mesh, &(row.local * *instance));
+                        place(&row.mesh, &(row.local * *instance))?;
                     }
                 }
             }
         }
-        merged
+        Ok(())
     }
-}
-
-/// Appends `mesh`; where nothing is transformed every bit is kept.
-fn append(merged: &mut Mesh, mesh: &Mesh, transform: &Affine3) {
-    if *transform != Affine3::IDENTITY {
-        return merged.append(mesh, transform);
-    }
-    let first = merged.positions.len() as u32;
-    merged.positions.extend_from_slice(&mesh.positions);
-    merged.normals.extend_from_slice(&mesh.normals);
-    merged.uvs.extend_from_slice(&mesh.uvs);
-    merged.indices.extend(mesh.indices.iter().map(|index| index + first));
 }

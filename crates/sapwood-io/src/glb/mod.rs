@@ -63,9 +63,11 @@ fn to_io(error: gltf::Error) -> io::Error {
 fn assemble(list: &DrawList) -> Result<Glb<'static>, Error> {
     let bodies: Vec<Vec<Part<'_>>> = list.bodies.iter().map(merge::parts).collect();
     // Refused by the geometry alone before a byte of it is copied; the JSON is added below.
-    check_size(bodies.iter().flatten().map(Part::byte_length).sum())?;
+    let bytes = bodies.iter().flatten().map(buffer::byte_length).sum();
+    check_size(bytes)?;
 
-    let mut writer = Assembly::default();
+    let buffer = BufferBuilder::new(bytes);
+    let mut writer = Assembly { buffer, ..Assembly::default() };
     let mut meshes = Vec::with_capacity(bodies.len());
     for (body, parts) in list.bodies.iter().zip(&bodies) {
         meshes.push(match parts.as_slice() {
@@ -106,8 +108,7 @@ impl Assembly {
         let mut primitives = Vec::with_capacity(parts.len());
         for part in parts {
             let material = self.material(part.material, name)?;
-            let merged = part.merged();
-            let accessors = self.buffer.add(&mut self.root, &merged).map_err(|reason| {
+            let accessors = self.buffer.add(&mut self.root, part).map_err(|reason| {
                 Error::new(ErrorKind::Unwritable { component: name.to_owned(), reason })
             })?;
             primitives.push(json::mesh::Primitive {

@@ -197,6 +197,9 @@ fn what_gltf_does_not_allow_is_refused_by_name() {
     mesh.indices[5] = 4;
     check(mesh, "a triangle uses vertex 4 of 4");
     let mut mesh = quad();
+    mesh.indices.pop();
+    check(mesh, "a mesh has indices that are no triangle");
+    let mut mesh = quad();
     mesh.uvs.pop();
     check(mesh, "4 positions, 4 normals, 3 texture coordinates");
 
