@@ -93,9 +93,11 @@ impl Reader<'_> {
             if dotted == "origin" || dotted == "dialect" {
                 continue;
             }
-            if let Some(key) = model::key(&dotted) {
+            // A quoted key may hold a point of its own, which makes it no other key's equal.
+            let plain = !key.get_ref().contains('.');
+            if let Some(key) = model::key(&dotted).filter(|_| plain) {
                 self.value(key, value);
-            } else if is_table(&dotted) {
+            } else if plain && is_table(&dotted) {
                 match value.get_ref() {
                     DeValue::Table(entries) => self.table(&dotted, entries),
                     other => self.wrong_type(&dotted, "a table", other, value.span()),
@@ -107,7 +109,7 @@ impl Reader<'_> {
                     Some(key.span()),
                 );
             } else {
-                let suggestion = key_like(&dotted);
+                let suggestion = key_like(&dotted).filter(|_| plain);
                 let (key, span) = (shortened(key.get_ref()), key.span());
                 let table = table.to_owned();
                 self.errors.add(ErrorKind::UnknownKey { key, table, suggestion }, Some(span));
@@ -272,6 +274,9 @@ impl Reader<'_> {
         };
         for name in REQUIRED {
             missing("", name, None);
+        }
+        if !self.given.contains(&"levels") {
+            return;
         }
         let levels = document.get("level").and_then(|value| value.get_ref().as_table());
         for level in 1..self.species.levels.min(4) {

@@ -1,6 +1,7 @@
 //! One text per fault, and the message it must give.
 
 use sapwood_geom::glam::Vec3;
+use sapwood_geom::{Purpose, Stream, StreamPath};
 use sapwood_rules::weber_penn::{Dialect, LeafTarget, Species, Target};
 
 use crate::parse_species;
@@ -70,6 +71,7 @@ fn misspelt_keys_are_told_what_was_meant() {
     );
     check("[leafs]\n", "stick.toml:6:2: unknown table [leafs]; did you mean [leaves]?");
     check("[level.4]\n", "stick.toml:6:8: unknown table [level.4]; did you mean [level.3]?");
+    check("'leaves.bend' = 1", "stick.toml:6:1: unknown key 'leaves.bend' at the top of the file");
     check("[wood]\n", "stick.toml:6:2: unknown table [wood]");
     check(
         "[level.1]\nTaper = 1",
@@ -175,6 +177,7 @@ fn unknown_names_are_told_the_nearest() {
 #[test]
 fn missing_keys_are_named_with_their_table() {
     check_whole("", "stick.toml: missing key 'name' at the top of the file");
+    assert_eq!(parse_species("", "stick.toml").unwrap_err().all().count(), 5);
     check_whole(
         &GOOD.replace("levels = 1", "levels = 3\nlevel.1 = { branches = 3, length = 0.5 }"),
         "stick.toml: missing key 'branches' in [level.2]",
@@ -252,4 +255,34 @@ fn files_that_cannot_be_read_are_named() {
     assert!(error.ends_with("is 1048577 bytes long; at most 1048576 are read"), "{error}");
     #[cfg(target_os = "linux")]
     assert!(crate::read_species("/dev/zero").unwrap_err().to_string().contains("bytes long"));
+}
+
+/// Built-in files with bytes changed, cut out or doubled never panic, and what is still read
+/// holds only accepted values.
+#[test]
+fn damaged_files_are_read_or_refused() {
+    let mut stream = Stream::new(StreamPath::new(7), Purpose("damage"));
+    let mut pick = |n: usize| (stream.bits() % n as u64) as usize;
+    let names: Vec<_> = crate::built_in_names().collect();
+    let mut read = 0;
+    for _ in 0..3000 {
+        let mut text = crate::built_in_text(names[pick(names.len())]).unwrap().as_bytes().to_vec();
+        for _ in 0..=pick(3) {
+            let at = pick(text.len());
+            let end = (at + pick(20)).min(text.len());
+            match pick(3) {
+                0 => text[at] = b"0129.-+e=[]{}\"'#\n \t_x\xFF"[pick(22)],
+                1 => drop(text.drain(at..end)),
+                _ => text.splice(at..at, text[at..end].to_vec()).for_each(drop),
+            }
+        }
+        match super::super::parse(&text, "damaged.toml") {
+            Ok(species) => {
+                assert_eq!(species.faults(), []);
+                read += 1;
+            }
+            Err(error) => assert!(error.all().all(|error| error.to_string().len() < 1000)),
+        }
+    }
+    assert!((100..2900).contains(&read), "{read}");
 }
