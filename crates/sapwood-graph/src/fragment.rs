@@ -243,6 +243,8 @@ impl Content for Fragment {
 pub struct FragmentBuilder {
     fragment: Fragment,
     open: SmallVec<[u32; 8]>,
+    /// The run at the end of the node that is open, which further children may lengthen.
+    run: Option<u32>,
 }
 
 impl FragmentBuilder {
@@ -259,10 +261,12 @@ impl FragmentBuilder {
                 n_live: 0,
             },
             open: smallvec::smallvec![0],
+            run: None,
         }
     }
 
     fn push(&mut self, code: Code) {
+        self.run = None;
         self.fragment.nodes.push(Packed { code, span: 1 });
     }
 
@@ -297,6 +301,7 @@ impl FragmentBuilder {
     /// When nothing is open.
     pub fn close(&mut self) {
         assert!(self.open.len() > 1, "a node is closed that was never opened");
+        self.run = None;
         let index = self.open.pop().expect("the top group is open") as usize;
         self.fragment.nodes[index].span = (self.fragment.nodes.len() - index) as u32;
     }
@@ -336,18 +341,19 @@ impl FragmentBuilder {
     pub fn deferred(&mut self, kind: Kind, foreseen: Option<Bound>) -> u32 {
         let link = self.fragment.n_links;
         self.fragment.n_links += 1;
-        let last = self.fragment.nodes.last().map(|node| node.code);
-        if let (Some(Code::Deferred(i)), None) = (last, foreseen) {
+        if let (Some(i), None) = (self.run, foreseen) {
             let run = &mut self.fragment.runs[i as usize];
-            if run.kind == kind && run.foreseen.is_none() {
+            if run.kind == kind {
                 run.count += 1;
                 return link;
             }
         }
         let i = self.fragment.runs.len() as u32;
         let foreseen = foreseen.map(Box::new);
+        let can_grow = foreseen.is_none();
         self.fragment.runs.push(StoredRun { first: link, count: 1, kind, foreseen });
         self.push(Code::Deferred(i));
+        self.run = can_grow.then_some(i);
         link
     }
 
