@@ -8,6 +8,7 @@ mod accepted;
 mod attraction;
 mod children;
 mod choices;
+mod components;
 mod curve;
 mod frame;
 mod grow;
@@ -17,7 +18,9 @@ mod leaves;
 mod params;
 mod placement;
 mod ring_places;
+mod rules;
 mod shape_ratio;
+mod slots;
 mod species;
 mod split;
 mod stem;
@@ -32,12 +35,18 @@ mod variation;
 pub use accepted::Accepted;
 pub use children::children;
 pub use choices::{CrownShape, Dialect, LeafShape, LeafTarget, Origin, Target, Variation};
+pub use components::{Branch, Children, Leaves, Seed, StemSurface, Tree, Twigs};
 pub use frame::Frame;
 pub use grow::grow;
 pub use keys::{Fault, Key, key, keys};
 pub use leaf_shape::leaf_mesh;
 pub use leaves::leaves;
 pub use params::{Crown, Envelope, LeafParams, Level, TrunkForm};
+pub use rules::{full, skeleton};
+pub use slots::{
+    BarkSlot, CrownSlot, DetailSlot, FoliageSlot, LeafTargetSlot, LeavesSlot, LevelSlot,
+    StemTargetSlot, TrunkFormSlot,
+};
 pub use species::{LeavesSpec, LevelSpec, PruningSpec, Species, TreeGenExt, TrunkSpec};
 pub use stem::{Leaf, Segment, Stem, StemSeed, Stems};
 pub use surface::{Detail, surface};

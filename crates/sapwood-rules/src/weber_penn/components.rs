@@ -1,0 +1,148 @@
+//! The components that a tree is made of: plain data, compiled by `rules`.
+//!
+//! [`Tree`] is what users place. It is compiled into one [`Branch`] for each trunk; a branch
+//! emits its [`StemSurface`] and [`Children`]; children are branches again, or, on the last
+//! level, one batch of [`Twigs`] with its surface and [`Leaves`]. Stems, segments and leaves are
+//! parts of these. Everything below the tree is in tree space: z up, metres.
+
+use sapwood_geom::{Content, Digester, Shared, content};
+use sapwood_graph::{Named, Part};
+use sapwood_scene::Component;
+
+use super::{Leaf, Segment, Stem, StemSeed, Stems};
+
+/// A tree of the species that the slots above it describe.
+///
+/// The world is y-up: a tree grows along its own y axis, from the origin of its frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tree {
+    /// What tells the tree from others of its species.
+    pub seed: Seed,
+}
+
+/// Where a tree's random streams start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Seed {
+    /// At a number: the same tree wherever it stands.
+    Explicit(u64),
+    /// At the tree's path in the scene: each occurrence is another tree, and moving it about
+    /// changes nothing.
+    Path,
+    /// At the place in the world where the tree stands, rounded to cells of this many metres:
+    /// a tree that is moved further becomes another.
+    Position {
+        /// Edge length of a cell in metres, above 0.
+        cell: f32,
+    },
+}
+
+impl Content for Seed {
+    fn write(&self, digester: &mut Digester) {
+        match self {
+            Self::Explicit(seed) => digester.add(&0u8).add(seed),
+            Self::Path => digester.add(&1u8),
+            Self::Position { cell } => digester.add(&2u8).add(cell),
+        };
+    }
+}
+
+content!(Tree { seed });
+
+impl Named for Tree {
+    const NAME: &'static str = "tree";
+}
+
+impl Component for Tree {}
+
+/// A stem with its clones, and everything that grows on it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Branch {
+    /// What the stem grows from.
+    pub seed: StemSeed,
+}
+
+content!(Branch { seed });
+
+impl Named for Branch {
+    const NAME: &'static str = "branch";
+}
+
+impl Component for Branch {}
+
+/// What grows on stems: the branches or twigs of the next level.
+#[derive(Clone, Debug)]
+pub struct Children {
+    /// The stems that carry the children.
+    pub stems: Shared<Stems>,
+}
+
+content!(Children { stems });
+
+impl Named for Children {
+    const NAME: &'static str = "children";
+}
+
+impl Component for Children {}
+
+/// The stems of the last level on one branch, in one batch.
+#[derive(Clone, Debug)]
+pub struct Twigs {
+    /// What the stems grow from.
+    pub seeds: Shared<Vec<StemSeed>>,
+}
+
+content!(Twigs { seeds });
+
+impl Named for Twigs {
+    const NAME: &'static str = "twigs";
+}
+
+impl Component for Twigs {}
+
+/// The surface of stems.
+#[derive(Clone, Debug)]
+pub struct StemSurface {
+    /// The stems.
+    pub stems: Shared<Stems>,
+}
+
+content!(StemSurface { stems });
+
+impl Named for StemSurface {
+    const NAME: &'static str = "stem_surface";
+}
+
+impl Component for StemSurface {}
+
+/// The leaves on stems of the last level.
+#[derive(Clone, Debug)]
+pub struct Leaves {
+    /// The stems that carry the leaves.
+    pub stems: Shared<Stems>,
+}
+
+content!(Leaves { stems });
+
+impl Named for Leaves {
+    const NAME: &'static str = "leaves";
+}
+
+impl Component for Leaves {}
+
+impl Named for Stem {
+    const NAME: &'static str = "stem";
+}
+
+impl Part for Stem {}
+
+impl Named for Segment {
+    const NAME: &'static str = "segment";
+}
+
+impl Part for Segment {}
+
+impl Named for Leaf {
+    const NAME: &'static str = "leaf";
+}
+
+impl Part for Leaf {}

@@ -1,0 +1,28 @@
+//! The rules that compile trees.
+//!
+//! [`full`] makes surfaces and leaves; [`skeleton`] is a layer over it that draws lines instead,
+//! from the same stems.
+
+mod geometry;
+mod skeleton;
+mod structure;
+
+use sapwood_scene::RuleSet;
+
+/// Trees with all their geometry.
+pub fn full() -> RuleSet {
+    RuleSet::new()
+        // structure: what grows where
+        .with(structure::TreeRule)
+        .with(structure::BranchRule)
+        .with(structure::ChildrenRule)
+        .with(structure::TwigsRule)
+        // geometry: what it looks like
+        .with(geometry::StemSurfaceRule)
+        .with(geometry::LeavesRule::default())
+}
+
+/// Trees as polylines with radii; stems are shared with [`full`].
+pub fn skeleton() -> RuleSet {
+    RuleSet::new().with(skeleton::StemLinesRule).with(skeleton::NoLeavesRule).over(&full())
+}

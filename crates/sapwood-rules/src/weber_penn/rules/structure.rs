@@ -1,0 +1,251 @@
+//! What grows where: trees into branches, branches into children, children into branches or
+//! twigs.
+
+use std::sync::Arc;
+
+use glam::{Affine3, Vec3};
+use sapwood_geom::{Content, Digest, Digester, Shared, StreamPath};
+use sapwood_graph::{Interrupted, Named};
+use sapwood_scene::{ChildPath, Context, Placement, Projection, Rule, RuleError, SlotReader};
+
+use super::super::slots::{
+    CrownSlot, LeafTargetSlot, LeavesSlot, LevelSlot, StemTargetSlot, TrunkFormSlot,
+};
+use super::super::{
+    Branch, Children, Crown, LeafTarget, Leaves, Level, Seed, Segment, Stem, StemSeed, StemSurface,
+    Stems, Target, Tree, Twigs, children, grow, trunks,
+};
+
+/// The parameters of a level.
+fn level(cx: &mut Context<'_>, n: usize) -> Arc<Level> {
+    match n {
+        0 => cx.read::<LevelSlot<0>>(),
+        1 => cx.read::<LevelSlot<1>>(),
+        2 => cx.read::<LevelSlot<2>>(),
+        _ => cx.read::<LevelSlot<3>>(),
+    }
+}
+
+/// Charges rows of stems, segments or seeds to the budget of parts.
+fn charging<'c>(cx: &'c mut Context<'_>) -> impl FnMut(usize) -> Result<(), Interrupted> + 'c {
+    |rows| cx.reserve_parts(rows as u64)
+}
+
+/// Turns tree space, z up, into the frame of the component, y up.
+fn upright() -> Affine3 {
+    // Exact quarter turn: z to y, y to -z.
+    Affine3::from_cols(Vec3::X, Vec3::NEG_Z, Vec3::Y, Vec3::ZERO)
+}
+
+/// Compiles a tree into its trunks.
+pub(super) struct TreeRule;
+
+impl Rule for TreeRule {
+    type Component = Tree;
+    type Data = ();
+    const NAME: &'static str = "weber_penn.tree";
+
+    fn init(&self, tree: &Tree, cx: &mut Context<'_>) -> Result<(), RuleError> {
+        let path = match tree.seed {
+            Seed::Explicit(seed) => StreamPath::new(seed),
+            Seed::Path => *cx.read::<ChildPath>(),
+            Seed::Position { cell } if cell > 0.0 => cx.project(CellOf { cell }),
+            Seed::Position { cell } => {
+                return Err(RuleError::Failed(format!("seed cells of {cell} m have no size")));
+            }
+        };
+        let crown = cx.read::<CrownSlot>();
+        let trunk = level(cx, 0);
+        let leaf_target = cx.project(LeafTargetInWorld);
+        let upright = upright();
+        let (stem_target, leaf_target) = match (&crown.target, &leaf_target) {
+            (Target::Up, LeafTarget::Outward | LeafTarget::Scattered) => (Target::Up, leaf_target),
+            _ => {
+                let to_tree = (*cx.read::<Placement>() * upright).inverse();
+                (stem_target_in(&crown.target, &to_tree), leaf_target_in(&leaf_target, &to_tree))
+            }
+        };
+        let seeds = trunks(&crown, &trunk, path, &mut charging(cx))?;
+        cx.transform(upright, |cx| {
+            cx.push::<StemTargetSlot>(stem_target, |cx| {
+                cx.push::<LeafTargetSlot>(leaf_target, |cx| {
+                    for seed in seeds {
+                        cx.emit(Branch { seed });
+                    }
+                });
+            });
+        });
+        Ok(())
+    }
+}
+
+fn stem_target_in(target: &Target, to_tree: &Affine3) -> Target {
+    match *target {
+        Target::Up => Target::Up,
+        Target::Direction(v) => Target::Direction(to_tree.transform_vector3(v)),
+        Target::Point(p) => Target::Point(to_tree.transform_point3(p)),
+    }
+}
+
+fn leaf_target_in(target: &LeafTarget, to_tree: &Affine3) -> LeafTarget {
+    match *target {
+        LeafTarget::Outward => LeafTarget::Outward,
+        LeafTarget::Scattered => LeafTarget::Scattered,
+        LeafTarget::Direction(v) => LeafTarget::Direction(to_tree.transform_vector3(v)),
+        LeafTarget::Point(p) => LeafTarget::Point(to_tree.transform_point3(p)),
+    }
+}
+
+/// The stream path of the cell in which a tree stands.
+struct CellOf {
+    cell: f32,
+}
+
+impl Content for CellOf {
+    fn write(&self, digester: &mut Digester) {
+        self.cell.write(digester);
+    }
+}
+
+impl Projection for CellOf {
+    type Output = StreamPath;
+    const NAME: &'static str = "weber_penn.cell";
+
+    fn compute(&self, slots: &mut SlotReader<'_>) -> StreamPath {
+        let place = slots.read::<Placement>().translation;
+        let path = StreamPath::new(0);
+        place.to_array().into_iter().fold(path, |path, x| {
+            // Cells are centred on multiples of their size, so that a tree at the origin does
+            // not change by a rounding error.
+            let cell = (f64::from(x) / f64::from(self.cell)).round() as i64;
+            path.child(cell.cast_unsigned())
+        })
+    }
+}
+
+/// What the leaves turn toward, in the world; the rest of the leaves is none of the tree's
+/// business.
+struct LeafTargetInWorld;
+
+impl Content for LeafTargetInWorld {
+    fn write(&self, _: &mut Digester) {}
+}
+
+impl Projection for LeafTargetInWorld {
+    type Output = LeafTarget;
+    const NAME: &'static str = "weber_penn.leaf_target_in_world";
+
+    fn compute(&self, slots: &mut SlotReader<'_>) -> LeafTarget {
+        slots.read::<LeavesSlot>().target
+    }
+}
+
+/// Compiles a branch into its stem with clones, and what grows on it.
+pub(super) struct BranchRule;
+
+impl Rule for BranchRule {
+    type Component = Branch;
+    type Data = Shared<Stems>;
+    const NAME: &'static str = "weber_penn.branch";
+
+    fn init(&self, branch: &Branch, cx: &mut Context<'_>) -> Result<Shared<Stems>, RuleError> {
+        let stems = grown(cx, std::slice::from_ref(&branch.seed), Digest::of(branch))?;
+        if !stems.stems.is_empty() {
+            cx.emit(StemSurface { stems: stems.clone() });
+            let crown = cx.read::<CrownSlot>();
+            if u32::from(branch.seed.level) + 1 < crown.levels {
+                cx.emit(Children { stems: stems.clone() });
+            } else {
+                cx.emit(Leaves { stems: stems.clone() });
+            }
+        }
+        Ok(stems)
+    }
+}
+
+/// Compiles what grows on stems into branches, or twigs on the last level.
+pub(super) struct ChildrenRule;
+
+impl Rule for ChildrenRule {
+    type Component = Children;
+    type Data = ();
+    const NAME: &'static str = "weber_penn.children";
+
+    fn init(&self, parents: &Children, cx: &mut Context<'_>) -> Result<(), RuleError> {
+        let stems = &parents.stems;
+        let Some(parent) = stems.stems.first() else { return Ok(()) };
+        let n = usize::from(parent.seed.level) + 1;
+        let crown = cx.read::<CrownSlot>();
+        let form = (n == 1).then(|| cx.read::<TrunkFormSlot>());
+        let level = level(cx, n);
+        let seeds = children(stems, &crown, form.as_deref(), &level, &mut charging(cx))?;
+        if seeds.is_empty() {
+            return Ok(());
+        }
+        if n as u32 + 1 < crown.levels {
+            for seed in seeds {
+                cx.emit(Branch { seed });
+            }
+        } else {
+            cx.emit(Twigs { seeds: Shared::new(seeds) });
+        }
+        Ok(())
+    }
+}
+
+/// Compiles the stems of the last level.
+pub(super) struct TwigsRule;
+
+impl Rule for TwigsRule {
+    type Component = Twigs;
+    type Data = Shared<Stems>;
+    const NAME: &'static str = "weber_penn.twigs";
+
+    fn init(&self, twigs: &Twigs, cx: &mut Context<'_>) -> Result<Shared<Stems>, RuleError> {
+        let stems = grown(cx, &twigs.seeds, Digest::of(twigs))?;
+        if !stems.stems.is_empty() {
+            cx.emit(StemSurface { stems: stems.clone() });
+            cx.emit(Leaves { stems: stems.clone() });
+        }
+        Ok(stems)
+    }
+}
+
+/// Grows stems of one level and adds them as parts. `origin` is the digest of the seeds.
+fn grown(
+    cx: &mut Context<'_>,
+    seeds: &[StemSeed],
+    origin: Digest,
+) -> Result<Shared<Stems>, RuleError> {
+    let Some(first) = seeds.first() else { return Ok(Shared::new(Stems::default())) };
+    let crown: Arc<Crown> = cx.read::<CrownSlot>();
+    let target = cx.read::<StemTargetSlot>();
+    let level = level(cx, usize::from(first.level));
+    let stems = grow(seeds, &crown, &level, &target, &mut charging(cx))?;
+    // The stems follow from these alone, so there is no need to read all segments again for
+    // their digest.
+    let mut digester = Digester::new();
+    digester.add(Stem::NAME).add(&origin).add(&*crown).add(&*target).add(&*level);
+    let stems = Shared::with_digest(digester.finish(), stems);
+    cx.parts::<Stem>(StemRows(stems.clone()));
+    cx.parts::<Segment>(SegmentRows(stems.clone()));
+    Ok(stems)
+}
+
+/// The stems of a batch as parts.
+struct StemRows(Shared<Stems>);
+
+impl AsRef<[Stem]> for StemRows {
+    fn as_ref(&self) -> &[Stem] {
+        &self.0.stems
+    }
+}
+
+/// The segments of a batch as parts.
+struct SegmentRows(Shared<Stems>);
+
+impl AsRef<[Segment]> for SegmentRows {
+    fn as_ref(&self) -> &[Segment] {
+        &self.0.segments
+    }
+}

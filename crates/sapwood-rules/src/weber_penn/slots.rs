@@ -1,0 +1,105 @@
+//! The held slots by which species values reach the rules.
+//!
+//! One slot for each level, one for the leaves, one for the trunk's surface and one for what
+//! holds for the whole tree: an edit of one leaves whoever reads the others alone.
+
+use sapwood_graph::Material;
+use sapwood_scene::{Attribute, Held, Slot};
+
+use super::{Crown, Detail, LeafParams, LeafTarget, Level, Species, Target, TrunkForm};
+
+macro_rules! slot {
+    ($(#[$doc:meta])* $slot:ident: $value:ty = $name:literal, $default:expr) => {
+        $(#[$doc])*
+        #[derive(Debug)]
+        pub enum $slot {}
+
+        impl Slot for $slot {
+            type Value = $value;
+            type Rate = Held;
+            const NAME: &'static str = $name;
+
+            fn default() -> $value {
+                $default
+            }
+        }
+    };
+}
+
+slot! {
+    /// What holds for the whole tree.
+    CrownSlot: Crown = "weber_penn.crown", Crown::new(&Species::default())
+}
+slot! {
+    /// What the trunk's surface needs beyond its level.
+    TrunkFormSlot: TrunkForm = "weber_penn.trunk_form", TrunkForm::new(&Species::default())
+}
+slot! {
+    /// The leaves.
+    LeavesSlot: LeafParams = "weber_penn.leaves", LeafParams::new(&Species::default())
+}
+slot! {
+    /// How finely stems are meshed.
+    DetailSlot: Detail = "weber_penn.detail", Detail::default()
+}
+slot! {
+    /// The look of stems.
+    BarkSlot: Material = "weber_penn.bark", Material::matte("bark", 0.16, 0.105, 0.07)
+}
+slot! {
+    /// The look of leaves.
+    FoliageSlot: Material = "weber_penn.foliage", Material {
+        double_sided: true,
+        roughness: 0.8,
+        ..Material::matte("leaf", 0.09, 0.2, 0.035)
+    }
+}
+slot! {
+    /// What stems turn toward, in tree space; set by the tree's own rule.
+    StemTargetSlot: Target = "weber_penn.stem_target", Target::Up
+}
+slot! {
+    /// What leaves turn toward, in tree space; set by the tree's own rule.
+    LeafTargetSlot: LeafTarget = "weber_penn.leaf_target", LeafTarget::Outward
+}
+
+/// The parameters of level `N`, 0 to 3; deeper levels take those of 3.
+#[derive(Debug)]
+pub enum LevelSlot<const N: usize> {}
+
+impl<const N: usize> Slot for LevelSlot<N> {
+    type Value = Level;
+    type Rate = Held;
+    const NAME: &'static str = match N {
+        0 => "weber_penn.level_0",
+        1 => "weber_penn.level_1",
+        2 => "weber_penn.level_2",
+        _ => "weber_penn.level_3",
+    };
+
+    fn default() -> Level {
+        Level::new(&Species::default(), N)
+    }
+}
+
+impl Species {
+    /// An attribute that sets this species for everything below it.
+    pub fn attribute(&self) -> Attribute {
+        let mut attribute = Attribute::new();
+        self.set(&mut attribute);
+        attribute
+    }
+
+    /// Sets this species on an attribute. Slots whose values stay the same change nothing
+    /// below.
+    pub fn set(&self, attribute: &mut Attribute) {
+        let [level_0, level_1, level_2, level_3] = Level::all(self);
+        attribute.set::<CrownSlot>(Crown::new(self));
+        attribute.set::<TrunkFormSlot>(TrunkForm::new(self));
+        attribute.set::<LevelSlot<0>>(level_0);
+        attribute.set::<LevelSlot<1>>(level_1);
+        attribute.set::<LevelSlot<2>>(level_2);
+        attribute.set::<LevelSlot<3>>(level_3);
+        attribute.set::<LeavesSlot>(LeafParams::new(self));
+    }
+}
