@@ -7,9 +7,8 @@
 
 use sapwood_geom::content;
 
-use super::choices::{CrownShape, Dialect, LeafShape, LeafTarget, Target, Variation};
-use super::species::{PruningSpec, Species};
-use super::taper::flare_factor;
+use super::growth::flare_factor;
+use super::{CrownShape, Dialect, LeafShape, LeafTarget, PruningSpec, Species, Target, Variation};
 
 /// What holds for the whole tree.
 #[derive(Clone, Debug, PartialEq)]

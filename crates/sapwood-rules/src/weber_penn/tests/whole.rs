@@ -46,7 +46,7 @@ fn the_worked_aspen_agrees_row_by_row() {
         let (crown, level_1, level_2) =
             (Crown::new(&aspen), Level::new(&aspen, 1), Level::new(&aspen, 2));
         let Ok(branch) = grow(&[child], &crown, &level_1, &Target::Up, &mut free);
-        let expected = super::super::children::n_children(&branch.stems[0], &level_2);
+        let expected = super::super::growth::n_children(&branch.stems[0], &level_2);
         assert!((expected - count).abs() < 1e-2, "{expected}");
     }
     // At the very tip the trunk has no radius left.

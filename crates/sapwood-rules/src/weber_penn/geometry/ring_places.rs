@@ -1,7 +1,8 @@
 //! Where along a stem its surface needs rings besides the ends of its segments: flared feet, ball
 //! ends, the bumps of periodic taper and the turns of a helix.
 
-use super::{Detail, Stem, TrunkForm};
+use super::Detail;
+use crate::weber_penn::{Stem, TrunkForm};
 
 /// Finds where a stem needs rings between its segment ends because its profile is curved there
 /// or its centre line winds; appends the places `z`, ascending.

@@ -3,8 +3,8 @@
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
-use super::choices::{CrownShape, Dialect};
-use super::params::Envelope;
+use crate::weber_penn::Envelope;
+use crate::weber_penn::{CrownShape, Dialect};
 
 /// ShapeRatio(shape, r) for r in 0..1: 0 at the top of the crown and 1 at its bottom for
 /// branches, the other way round for leaves.

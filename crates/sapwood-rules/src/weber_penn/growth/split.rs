@@ -4,10 +4,10 @@ use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
 use sapwood_geom::{Purpose, StreamPath};
 
-use super::choices::Dialect;
 use super::frame::Frame;
-use super::params::{Crown, Level};
 use super::variation::{Diffusion, Draws};
+use crate::weber_penn::Dialect;
+use crate::weber_penn::{Crown, Level};
 
 /// The factor in the printed formula of the spread, which gives 42.5 degrees for a horizontal
 /// stem and 110 for an upright one; the paper's prose, with 50 and 140, would have 1.

@@ -4,7 +4,7 @@
 use sapwood_geom::{Cap, Mesh, Ring, Section, Sweep, SweepOptions, SweepStart, content};
 
 use super::ring_places::find_places;
-use super::{Segment, Stem, Stems, TrunkForm};
+use crate::weber_penn::{Segment, Stem, Stems, TrunkForm};
 
 /// How finely stems are meshed.
 #[derive(Clone, Debug, PartialEq)]
@@ -258,8 +258,8 @@ mod tests {
     use glam::Vec3;
     use sapwood_geom::StreamPath;
 
-    use super::super::{Crown, Level, Species, Target, children, grow, trunks};
     use super::*;
+    use crate::weber_penn::{Crown, Level, Species, Target, children, grow, trunks};
 
     fn free(_: usize) -> Result<(), Infallible> {
         Ok(())

@@ -2,9 +2,17 @@
 //!
 //! Angles are degrees here and nowhere else, lengths metres, the rest fractions or counts. What
 //! values are accepted stands in the table of keys; what growth reads is made from a species by
-//! [`Crown`](super::Crown), [`Level`](super::Level) and their like.
+//! [`Crown`](crate::weber_penn::Crown), [`Level`](crate::weber_penn::Level) and their like.
 
-use super::choices::{CrownShape, Dialect, LeafShape, LeafTarget, Origin, Target, Variation};
+mod accepted;
+mod choices;
+mod keys;
+mod value;
+
+pub use accepted::Accepted;
+pub use choices::{CrownShape, Dialect, LeafShape, LeafTarget, Origin, Target, Variation};
+pub use keys::{Fault, Key, key, keys};
+pub use value::Value;
 
 /// The parameters of one species, in degrees and metres.
 ///

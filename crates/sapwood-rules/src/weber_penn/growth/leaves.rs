@@ -6,13 +6,13 @@ use glam::Vec3;
 use sapwood_geom::Purpose;
 
 use super::attraction::turned_toward;
-use super::choices::LeafTarget;
 use super::frame::Frame;
-use super::params::{Crown, LeafParams};
 use super::placement::{Places, Turns, down_angle, fan_angle};
 use super::shape_ratio::shape_ratio;
 use super::stem::{Leaf, Stem, Stems};
 use super::variation::Draws;
+use crate::weber_penn::LeafTarget;
+use crate::weber_penn::{Crown, LeafParams};
 
 /// The leaves of `stems`, in the order of their stems and from base to tip.
 ///

@@ -5,7 +5,7 @@
 
 use sapwood_geom::{Purpose, Stream, StreamPath};
 
-use super::choices::Variation;
+use crate::weber_penn::Variation;
 
 /// The draws of one feature of one stem.
 pub(crate) struct Draws {

@@ -8,10 +8,10 @@ use sapwood_geom::{Purpose, StreamPath};
 
 use super::children::{SHORTEST, THINNEST};
 use super::frame::Frame;
-use super::params::{Crown, Level};
 use super::placement::Turn;
 use super::stem::StemSeed;
 use super::variation::Draws;
+use crate::weber_penn::{Crown, Level};
 
 // The oak's 10 ± 10 could give a tree of no size.
 const SMALLEST: f32 = 0.05;

@@ -3,9 +3,9 @@
 
 use glam::Vec3;
 
-use super::choices::{Dialect, Target};
 use super::frame::Frame;
-use super::params::Crown;
+use crate::weber_penn::Crown;
+use crate::weber_penn::{Dialect, Target};
 
 // Below this sine two directions count as parallel, and there is no axis to turn about.
 const PARALLEL: f32 = 1e-6;

@@ -2,13 +2,13 @@
 
 use sapwood_geom::Purpose;
 
-use super::choices::Dialect;
 use super::frame::Frame;
-use super::params::{Crown, Level, TrunkForm};
 use super::placement::{Places, Turns, down_angle, fan_angle, height_ratio};
 use super::shape_ratio::shape_ratio;
 use super::stem::{Stem, StemSeed, Stems};
 use super::variation::Draws;
+use crate::weber_penn::Dialect;
+use crate::weber_penn::{Crown, Level, TrunkForm};
 
 /// Stems no longer than this, in metres, do not grow.
 pub(crate) const SHORTEST: f32 = 1e-5;

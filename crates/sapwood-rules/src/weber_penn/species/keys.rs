@@ -8,8 +8,8 @@ use std::fmt;
 
 use super::accepted::Accepted;
 use super::choices::{Dialect, LeafShape, Origin, Variation};
-use super::species::{Species, TreeGenExt};
 use super::value::{Field, Value};
+use super::{Species, TreeGenExt};
 
 /// A value that its key does not accept.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,10 +5,10 @@ use std::f32::consts::{PI, TAU};
 
 use sapwood_geom::Purpose;
 
-use super::choices::{Dialect, Variation};
 use super::shape_ratio::conical;
 use super::stem::{Segment, Stem, Stems};
 use super::variation::{Diffusion, Draws};
+use crate::weber_penn::{Dialect, Variation};
 
 /// Even places along a stem: outside its parent, above its bare base, in equal slots on each
 /// segment.

@@ -5,13 +5,13 @@ use std::collections::VecDeque;
 use sapwood_geom::{Purpose, StreamPath};
 
 use super::attraction::Attraction;
-use super::choices::Target;
 use super::curve::{Curvature, helix_radius};
 use super::frame::Frame;
-use super::params::{Crown, Level};
 use super::split::Splits;
 use super::stem::{Segment, Stem, StemSeed, Stems};
 use super::variation::Draws;
+use crate::weber_penn::Target;
+use crate::weber_penn::{Crown, Level};
 
 // Keys of clones below their stem's path; children are numbered from 0.
 const CLONE_KEY: u64 = 1 << 63;

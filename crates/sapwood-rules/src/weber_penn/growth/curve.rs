@@ -4,8 +4,8 @@
 use std::f32::consts::{PI, TAU};
 
 use super::frame::Frame;
-use super::params::Level;
 use super::variation::Draws;
+use crate::weber_penn::Level;
 
 // At 90 degrees a helix would not climb at all and its radius be infinite.
 const STEEPEST_HELIX: f32 = 89.0 * PI / 180.0;

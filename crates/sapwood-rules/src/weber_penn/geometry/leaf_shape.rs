@@ -4,7 +4,7 @@
 use glam::{Vec2, Vec3};
 use sapwood_geom::Mesh;
 
-use super::LeafShape;
+use crate::weber_penn::LeafShape;
 
 /// A point of an outline: distance from the midrib and height above the leaf's base.
 type Point = (f32, f32);

@@ -1,0 +1,28 @@
+//! Growth: pure functions from parameters and a parent's facts to stems, segments and leaves.
+//!
+//! [`trunks`] seeds the trunks, [`grow`] makes stems of seeds, [`children`] seeds the next level
+//! on them, and [`leaves`] ends on the last. Everything is in tree space.
+
+mod attraction;
+mod children;
+mod curve;
+mod frame;
+mod grow;
+mod leaves;
+mod placement;
+mod shape_ratio;
+mod split;
+mod stem;
+mod taper;
+mod trunks;
+mod variation;
+
+pub use children::children;
+#[cfg(test)]
+pub(super) use children::n_children;
+pub use frame::Frame;
+pub use grow::grow;
+pub use leaves::leaves;
+pub use stem::{Leaf, Segment, Stem, StemSeed, Stems};
+pub(super) use taper::flare_factor;
+pub use trunks::trunks;
