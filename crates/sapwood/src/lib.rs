@@ -19,3 +19,8 @@ pub fn standard_rules() -> scene::RuleSet {
 pub fn skeleton_rules() -> scene::RuleSet {
     rules::weber_penn::skeleton().over(&scene::built_in_rules())
 }
+
+/// The README's example, compiled and run with the documentation tests.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+pub struct Readme;
