@@ -169,6 +169,8 @@ impl Scene {
     }
 
     /// Runs many edits as one: they share a revision, and what is above them is marked once.
+    /// A traversal inside the scope sees all edits made before it; those behind it get a
+    /// revision of their own.
     pub fn bulk<R>(&mut self, edits: impl FnOnce(&mut Self) -> R) -> R {
         /// Ends the scope even when an edit panics.
         struct Scope<'a>(&'a mut Scene, bool);
@@ -359,7 +361,7 @@ impl Scene {
 
     fn pull(&mut self, view: ViewId) -> Result<Pull<'_>, ViewError> {
         let row = self.views.get_mut(view.0).ok_or(ViewError::Closed)?;
-        self.graph.pulled_at = self.graph.revision;
+        self.graph.pull();
         Ok(Pull::new(
             &self.graph,
             &mut self.cache,

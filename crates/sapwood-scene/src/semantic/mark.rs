@@ -7,12 +7,22 @@
 use super::{Graph, NodeId};
 
 impl Graph {
-    /// The number of the edit that is being made.
+    /// The number of the edit that is being made. The edits of a bulk scope share one, as long
+    /// as nobody looks in between.
     pub(crate) fn next_revision(&mut self) -> u64 {
-        if self.bulk.is_none() {
+        if self.bulk.is_none() || self.pulled_at == self.revision {
             self.revision += 1;
         }
         self.revision
+    }
+
+    /// Notes that somebody is about to bring sites up to date with all edits made so far.
+    pub(crate) fn pull(&mut self) {
+        if let Some(edited) = &mut self.bulk {
+            let edited = std::mem::take(edited);
+            edited.into_iter().for_each(|id| self.mark(id));
+        }
+        self.pulled_at = self.revision;
     }
 
     /// Notes that a node was edited, and marks everything above it.
