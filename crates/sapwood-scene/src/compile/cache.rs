@@ -81,6 +81,9 @@ pub(crate) struct Site {
     pub(crate) live: Box<[Affine3]>,
     /// The settling in which the site was last looked at.
     pub(crate) settled_in: u64,
+    /// The view's tick for which live values at and below the site were visited last; says
+    /// nothing of a site that does not move.
+    pub(crate) visited_tick: u64,
 }
 
 /// What stands behind a link.
@@ -239,6 +242,7 @@ impl Cache {
             bound: None,
             live: Box::default(),
             settled_in: 0,
+            visited_tick: 0,
         }))
     }
 

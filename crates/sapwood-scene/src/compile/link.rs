@@ -39,6 +39,9 @@ impl Pull<'_> {
             Ok(child) => {
                 self.cache.sites[site.0].links[link as usize] = Link::Site(child);
                 self.grow(child_env);
+                if self.cache.sites[child.0].is_moving {
+                    self.note_moving(child_env);
+                }
             }
             Err(diagnostic) => {
                 let failed = Box::new((diagnostic, self.graph.revision));
@@ -106,8 +109,9 @@ impl Pull<'_> {
         for set in &row.slot_sets {
             let key = set.iter().map(|slot| (*slot, self.value(env, *slot).digest));
             let index = index_of(plan, self.number, key);
-            if let Some(site) = self.cache.site_index.get(&index) {
-                return *site;
+            if let Some(&site) = self.cache.site_index.get(&index) {
+                self.visit_below(site);
+                return site;
             }
             for slot in set.iter() {
                 if let Err(place) = all.binary_search(slot) {
@@ -134,6 +138,7 @@ impl Pull<'_> {
             bound: None,
             live: vec![sapwood_geom::glam::Affine3::IDENTITY; n_live].into(),
             settled_in: 0,
+            visited_tick: self.view.tick,
         }));
         self.enlist_site(site);
         self.visit(site);
@@ -199,6 +204,18 @@ impl Pull<'_> {
             }
             self.enlist_site(above.site);
             expected = Some(above.site);
+            at = above.env;
+        }
+    }
+
+    /// Notes that something moves below every site above a place, so that ticks reach it.
+    fn note_moving(&mut self, env: EnvId) {
+        let mut at = env;
+        while let Some(above) = self.environments().above(at) {
+            let row = &mut self.cache.sites[above.site.0];
+            if std::mem::replace(&mut row.is_moving, true) {
+                return;
+            }
             at = above.env;
         }
     }

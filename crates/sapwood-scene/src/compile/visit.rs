@@ -12,14 +12,19 @@ use crate::rules::VisitContext;
 impl Pull<'_> {
     /// Brings all live values below the root up to date with the view's tick.
     pub(super) fn visit_moving(&mut self) {
-        if self.view.visited_tick == self.view.tick {
-            return;
+        if self.view.visited_tick != self.view.tick {
+            self.view.visited_tick = self.view.tick;
+            self.visit_below(self.view.root_site);
         }
-        self.view.visited_tick = self.view.tick;
-        self.cache.settling += 1;
-        let settling = self.cache.settling;
+    }
+
+    /// Brings all live values at and below a site up to date with the view's tick: for the root
+    /// when the tick is new, for any other site when a link leads to it again that nothing led
+    /// to while ticks went by.
+    pub(super) fn visit_below(&mut self, site: SiteId) {
+        let tick = self.view.tick;
         // Each site twice: on the way down for its live values, on the way up for its bound.
-        let mut stack = vec![(self.view.root_site, false)];
+        let mut stack = vec![(site, false)];
         while let Some((site, is_done)) = stack.pop() {
             if is_done {
                 if self.cache.sites[site.0].is_closed {
@@ -29,10 +34,10 @@ impl Pull<'_> {
                 continue;
             }
             let row = &mut self.cache.sites[site.0];
-            if row.settled_in == settling || !row.is_moving {
+            if row.visited_tick == tick || !row.is_moving {
                 continue;
             }
-            row.settled_in = settling;
+            row.visited_tick = tick;
             self.visit(site);
             stack.push((site, true));
             let first = stack.len();
