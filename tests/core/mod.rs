@@ -5,5 +5,6 @@
 // mod errors;
 mod kinds;
 // mod moving;
+mod random_scripts;
 mod sharing;
 // mod walks;

@@ -1,0 +1,234 @@
+//! Kinds and rules of the random scripts: every way of reading slots, and every way of failing.
+
+use sapwood::geom::glam::{Affine3, Vec3};
+use sapwood::geom::{Digester, Purpose, SharedMesh, Stream, content};
+use sapwood::graph::{Material, Named};
+use sapwood::scene::{
+    ChildPath, Children, Component, Context, Held, Moving, Placement, Projection, Rule, RuleError,
+    RuleSet, Slot, SlotReader, VisitContext, built_in_rules,
+};
+
+use crate::core::kinds::{Placed, PlacedRule, Plain, Size, Sized, SizedRule, triangle};
+
+/// A slot that merges; the order of pushes matters.
+pub(super) enum Tag {}
+impl Slot for Tag {
+    type Value = u32;
+    type Rate = Held;
+    const NAME: &'static str = "tag";
+    const MERGES: bool = true;
+    fn default() -> u32 {
+        1
+    }
+    fn merge(inherited: &u32, pushed: &u32) -> u32 {
+        (inherited * 3 + pushed) % 101
+    }
+}
+
+/// What moves spinners.
+pub(super) enum Time {}
+impl Slot for Time {
+    type Value = f32;
+    type Rate = Moving;
+    const NAME: &'static str = "time";
+    fn default() -> f32 {
+        0.0
+    }
+}
+
+/// The square of a grid that a component stands in.
+pub(super) struct Cell;
+content!(Cell {});
+impl Projection for Cell {
+    type Output = (i32, i32);
+    const NAME: &'static str = "cell";
+    fn compute(&self, slots: &mut SlotReader<'_>) -> (i32, i32) {
+        cell_of(&slots.read::<Placement>())
+    }
+}
+
+pub(super) fn cell_of(place: &Affine3) -> (i32, i32) {
+    let at = place.translation / 16.0;
+    (at.x.floor() as i32, at.y.floor() as i32)
+}
+
+macro_rules! kinds {
+    ($($kind:ident { $($field:ident: $type:ty),* } $name:literal $children:ident;)*) => {$(
+        #[derive(Debug, Clone)]
+        pub(super) struct $kind { $(pub(super) $field: $type),* }
+        content!($kind { $($field),* });
+        impl Named for $kind { const NAME: &'static str = $name; }
+        impl Component for $kind { const CHILDREN: Children = Children::$children; }
+    )*};
+}
+
+kinds! {
+    Tagged {} "tagged" None;
+    Keyed {} "keyed" None;
+    Gridded {} "gridded" None;
+    Chooser {} "chooser" None;
+    Nest { depth: u32 } "nest" None;
+    Fragile { value: u32 } "fragile" None;
+    Porch { tag: u32 } "porch" Many;
+    Spinner { speed: f32 } "spinner" Many;
+}
+
+macro_rules! rules {
+    ($($rule:ident $kind:ident |$component:ident, $cx:ident| $init:expr;)*) => {$(
+        pub(super) struct $rule;
+        impl Rule for $rule {
+            type Component = $kind;
+            type Data = ();
+            const NAME: &'static str = stringify!($rule);
+            fn init(&self, $component: &$kind, $cx: &mut Context<'_>) -> Result<(), RuleError> {
+                $init
+            }
+        }
+    )*};
+}
+
+rules! {
+    TaggedRule Tagged |_tagged, cx| { let tag = *cx.read::<Tag>(); draw(cx, tagged_size(tag)) };
+    KeyedRule Keyed |_keyed, cx| { let path = *cx.read::<ChildPath>(); draw(cx, keyed_size(path)) };
+    GriddedRule Gridded |_gridded, cx| { let cell = cx.project(Cell); draw(cx, gridded_size(cell)) };
+    // What it reads depends on what it read before.
+    ChooserRule Chooser |_chooser, cx| {
+        let tag = *cx.read::<Tag>();
+        let size = match tag % 3 {
+            0 => *cx.read::<Size>(),
+            1 => placed_size(&cx.read::<Placement>()),
+            _ => 3.0,
+        };
+        draw(cx, size)
+    };
+    NestRule Nest |nest, cx| {
+        let Some(depth) = nest.depth.checked_sub(1) else { return draw(cx, 0.5) };
+        cx.emit(Placed);
+        cx.transform(nest_step(), |cx| {
+            cx.emit(Nest { depth });
+            cx.emit(Keyed {});
+        });
+        cx.push::<Size>(nest.depth as f32, |cx| cx.emit(Sized));
+        cx.push::<Tag>(nest.depth, |cx| cx.emit(Tagged {}));
+        Ok(())
+    };
+    FragileRule Fragile |fragile, cx| {
+        let size = *cx.read::<Size>();
+        match fragile_fate(fragile.value, size) {
+            Fate::Draws => draw(cx, size + 0.25),
+            Fate::Fails => Err(RuleError::Failed("fragile failed".to_owned())),
+            Fate::Panics => panic!("fragile panicked on purpose"),
+        }
+    };
+    PorchRule Porch |porch, cx| {
+        cx.emit(Sized);
+        cx.push::<Tag>(porch.tag, Context::children);
+        cx.emit(Placed);
+        Ok(())
+    };
+    FlatPlacedRule Placed |_placed, cx| draw(cx, 0.75);
+}
+
+/// A rule with a setting.
+pub(super) struct ScaledPlainRule(pub(super) u32);
+impl Rule for ScaledPlainRule {
+    type Component = Plain;
+    type Data = ();
+    const NAME: &'static str = "scaled_plain";
+    fn settings(&self, digester: &mut Digester) {
+        digester.add(&self.0);
+    }
+    fn init(&self, plain: &Plain, cx: &mut Context<'_>) -> Result<(), RuleError> {
+        draw(cx, plain.size * self.0 as f32)
+    }
+}
+
+struct SpinnerRule;
+impl Rule for SpinnerRule {
+    type Component = Spinner;
+    type Data = f32;
+    const NAME: &'static str = "spinner";
+    fn init(&self, spinner: &Spinner, cx: &mut Context<'_>) -> Result<f32, RuleError> {
+        cx.live(Context::children);
+        Ok(spinner.speed)
+    }
+    fn visit(&self, speed: &f32, cx: &VisitContext<'_>, live: &mut [Affine3]) {
+        live[0] = spun(*speed, *cx.read::<Time>());
+    }
+}
+
+fn draw(cx: &mut Context<'_>, size: f32) -> Result<(), RuleError> {
+    cx.mesh(SharedMesh::new(triangle(size)), Material::matte("m", 1.0, 1.0, 1.0).into());
+    Ok(())
+}
+
+/// The formulas that rules and reference share.
+pub(super) fn tagged_size(tag: u32) -> f32 {
+    (1 + tag % 7) as f32
+}
+
+pub(super) fn keyed_size(path: sapwood::geom::StreamPath) -> f32 {
+    1.0 + (Stream::new(path, Purpose("size")).unit() * 64.0).floor() / 4.0
+}
+
+pub(super) fn gridded_size(cell: (i32, i32)) -> f32 {
+    1.0 + ((cell.0 * 5 + cell.1) & 7) as f32
+}
+
+pub(super) fn placed_size(place: &Affine3) -> f32 {
+    1.0 + place.translation.x.abs().min(10.0)
+}
+
+pub(super) fn spun(speed: f32, time: f32) -> Affine3 {
+    Affine3::from_translation(Vec3::new(0.0, 0.0, 1.0 + speed * time))
+}
+
+pub(super) fn nest_step() -> Affine3 {
+    Affine3::from_translation(Vec3::new(2.0, 1.0, 0.0))
+}
+
+pub(super) enum Fate {
+    Draws,
+    Fails,
+    Panics,
+}
+
+pub(super) fn fragile_fate(value: u32, size: f32) -> Fate {
+    match (value + size as u32) % 4 {
+        0 => Fate::Fails,
+        1 => Fate::Panics,
+        _ => Fate::Draws,
+    }
+}
+
+/// Which rules a view has.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Variant {
+    pub(super) plain_factor: u32,
+    pub(super) placed_is_flat: bool,
+    pub(super) has_tagged: bool,
+}
+
+impl Variant {
+    pub(super) fn rules(self) -> RuleSet {
+        let base = RuleSet::new()
+            .with(PlacedRule)
+            .with(SizedRule)
+            .with(KeyedRule)
+            .with(GriddedRule)
+            .with(ChooserRule)
+            .with(NestRule)
+            .with(FragileRule)
+            .with(PorchRule)
+            .with(SpinnerRule)
+            .over(&built_in_rules());
+        let mut top = RuleSet::new().with(ScaledPlainRule(self.plain_factor));
+        if self.placed_is_flat {
+            top = top.with(FlatPlacedRule);
+        }
+        if self.has_tagged {
+            top = top.with(TaggedRule);
+        }
+        top.over(&base)
+    }
+}
