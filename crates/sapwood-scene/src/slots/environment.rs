@@ -2,7 +2,7 @@
 //!
 //! An environment is made when a walk goes through a link: it names the environment of the
 //! parent's site, the site, and the link. Values are computed when somebody asks, by climbing to
-//! the nearest push, and remembered for the rest of the pass.
+//! the nearest known one, and remembered on the whole way for the rest of the pass.
 
 use std::any::TypeId;
 
@@ -91,8 +91,8 @@ impl Environments {
         env: EnvId,
         slot: SlotKey,
     ) -> SlotValue {
-        // Places between here and the nearest known value where the value changes.
-        let mut changes: smallvec::SmallVec<[(EnvId, Pushed<'_>); 4]> = smallvec::SmallVec::new();
+        // Places between here and the nearest known value, with what happens at each.
+        let mut passed: smallvec::SmallVec<[(EnvId, Pushed<'_>); 4]> = smallvec::SmallVec::new();
         let mut at = env;
         let mut value = loop {
             if let Some(known) = self.values.get(&(at.0, slot.type_id())) {
@@ -103,17 +103,15 @@ impl Environments {
             };
             let pushed = pushes.push(above.site, above.link, slot);
             let is_replaced = matches!(pushed, Pushed::Replaced(_));
-            if slot.descends() || !matches!(pushed, Pushed::Nothing) {
-                changes.push((at, pushed));
-            }
+            passed.push((at, pushed));
             if is_replaced {
                 // Whatever is inherited here does not matter.
                 break slot.default();
             }
             at = above.env;
         };
-        let mut here = at;
-        for (place, pushed) in changes.into_iter().rev() {
+        // Remembered at every place, so that no stretch of the way up is climbed twice.
+        for (place, pushed) in passed.into_iter().rev() {
             match pushed {
                 Pushed::Nothing => {}
                 Pushed::Replaced(new) => value = new.clone(),
@@ -127,10 +125,6 @@ impl Environments {
                 value = slot.descend(value, pushes.child_key(above.site, above.link));
             }
             self.values.insert((place.0, slot.type_id()), value.clone());
-            here = place;
-        }
-        if here != env {
-            self.values.insert((env.0, slot.type_id()), value.clone());
         }
         value
     }
