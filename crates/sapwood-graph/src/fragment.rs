@@ -99,6 +99,13 @@ struct StoredRun {
     foreseen: Option<Box<Bound>>,
 }
 
+impl StoredRun {
+    fn as_run(&self) -> Run<'_> {
+        let Self { first, count, kind, ref foreseen } = *self;
+        Run { first, count, kind, foreseen: foreseen.as_deref() }
+    }
+}
+
 /// What a rule made of a component: render nodes in pre-order. Immutable once built.
 #[derive(Debug)]
 pub struct Fragment {
@@ -156,16 +163,15 @@ impl Fragment {
                 let (drawn, i) = drawn(i);
                 RenderNode::Lines(&drawn.lines[i])
             }
-            Code::Deferred(i) => {
-                let run = &self.runs[i as usize];
-                RenderNode::Deferred(Run {
-                    first: run.first,
-                    count: run.count,
-                    kind: run.kind,
-                    foreseen: run.foreseen.as_deref(),
-                })
-            }
+            Code::Deferred(i) => RenderNode::Deferred(self.runs[i as usize].as_run()),
         }
+    }
+
+    /// The run that a link below [`n_links`](Self::n_links) belongs to.
+    pub fn run_of(&self, link: u32) -> Option<Run<'_>> {
+        let behind = self.runs.partition_point(|run| run.first <= link);
+        let run = self.runs.get(behind.checked_sub(1)?)?;
+        (link - run.first < run.count).then(|| run.as_run())
     }
 
     /// The node after `index` and everything under it: its next sibling, if it has one.
@@ -398,6 +404,8 @@ mod tests {
         assert_eq!(fragment.children(1).collect::<Vec<_>>(), [2]);
         assert!(matches!(fragment.node(2), RenderNode::Deferred(run) if run.count == 2));
         assert!(matches!(fragment.node(3), RenderNode::Deferred(run) if run.first == 2));
+        let firsts = [0, 1, 2, 3].map(|link| fragment.run_of(link).map(|run| run.first));
+        assert_eq!(firsts, [Some(0), Some(0), Some(2), None]);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::sync::Mutex;
 
 use sapwood_geom::Bound;
 use sapwood_graph::{
-    CountMemo, EnvId, Interrupted, PlanRef, Provide, RenderNode, SiteId, Supplied, Supply, Want,
+    CountMemo, EnvId, Interrupted, PlanRef, Provide, SiteId, Supplied, Supply, Want,
 };
 
 use super::cache::{Cache, Link, Target};
@@ -87,13 +87,7 @@ impl<'a> Pull<'a> {
 
     /// What the rule foresaw of the children of a link.
     fn foreseen(&self, site: SiteId, link: u32) -> Option<&Bound> {
-        let fragment = &self.cache.plan_of(site).fragment;
-        (0..fragment.len()).find_map(|index| match fragment.node(index) {
-            RenderNode::Deferred(run) if (run.first..run.first + run.count).contains(&link) => {
-                run.foreseen
-            }
-            _ => None,
-        })
+        self.cache.plan_of(site).fragment.run_of(link)?.foreseen
     }
 }
 
