@@ -8,6 +8,7 @@
 //! more than twice the last.
 
 use sapwood_geom::glam::Affine3;
+use sapwood_geom::{FixedMap, fixed_state};
 
 use crate::walk::{Approach, Interest};
 use crate::{EnvId, Interrupted, Kind, Provide, RenderNode, SiteId, Supplied, Supply, Want};
@@ -26,12 +27,8 @@ pub fn discover<I: Interest>(provide: &mut dyn Provide, interest: &I) -> Result<
     let mut visits_allowed = 1;
     loop {
         provide.begin_pass();
-        let mut pass = Pass {
-            frames: Vec::new(),
-            wanted: Vec::new(),
-            visits: Visits::default(),
-            is_final: true,
-        };
+        let mut pass =
+            Pass { frames: Vec::new(), wanted: Vec::new(), visits: Visits::new(), is_final: true };
         let outcome = pass.run(provide, interest, visits_allowed);
         provide.settle();
         outcome?;
@@ -170,17 +167,45 @@ impl<S: Clone> Pass<S> {
 }
 
 /// How often each site was gone into in this pass.
-#[derive(Default)]
-struct Visits(Vec<u32>);
+enum Visits {
+    /// After an edit few sites are gone into, whatever the size of the graph.
+    Few(FixedMap<SiteId, u32>),
+    /// By the number of the site.
+    Many(Vec<u32>),
+}
 
 impl Visits {
+    /// Sites up to which a map serves.
+    const FEW: usize = 4096;
+
+    fn new() -> Self {
+        Self::Few(FixedMap::with_hasher(fixed_state()))
+    }
+
     /// Counts one visit and tells how many there were with it.
     fn count(&mut self, site: SiteId) -> u32 {
-        let index = site.0 as usize;
-        if index >= self.0.len() {
-            self.0.resize(index + 1, 0);
+        if let Self::Few(visits) = self
+            && visits.len() >= Self::FEW
+        {
+            let mut all = Vec::new();
+            for (site, n) in visits.drain() {
+                *at(&mut all, site) = n;
+            }
+            *self = Self::Many(all);
         }
-        self.0[index] += 1;
-        self.0[index]
+        let n = match self {
+            Self::Few(visits) => visits.entry(site).or_default(),
+            Self::Many(visits) => at(visits, site),
+        };
+        *n += 1;
+        *n
     }
+}
+
+fn at(visits: &mut Vec<u32>, site: SiteId) -> &mut u32 {
+    let index = site.0 as usize;
+    if index >= visits.len() {
+        visits.resize(index + 1, 0);
+    }
+    &mut visits[index]
 }
