@@ -124,13 +124,20 @@ pub(crate) struct Cache {
     pub(crate) n_parts: u64,
     /// Number of the latest settling.
     pub(crate) settling: u64,
-    /// Plans that were reachable when it was last looked.
-    pub(crate) n_reachable: usize,
+    /// What was reachable when it was last looked.
+    pub(crate) n_reachable: Reachable,
     pub(crate) counts: CountMemo,
     pub(crate) log: EventLog,
     pub(crate) is_checking: bool,
     #[cfg(feature = "planted-faults")]
     pub(crate) stops_early: bool,
+}
+
+/// How much could be reached from the views.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Reachable {
+    pub(crate) plans: usize,
+    pub(crate) sites: usize,
 }
 
 /// The kind of what stands above a view's root.
@@ -154,7 +161,7 @@ impl Cache {
             triangles: 0,
             n_parts: 0,
             settling: 0,
-            n_reachable: 0,
+            n_reachable: Reachable::default(),
             counts: CountMemo::default(),
             log: EventLog::default(),
             is_checking: false,

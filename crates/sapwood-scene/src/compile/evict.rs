@@ -3,13 +3,15 @@
 use sapwood_geom::{FixedSet, fixed_state};
 use sapwood_graph::SiteId;
 
-use super::cache::{Cache, Link, Target};
+use super::cache::{Cache, Link, Reachable, Target};
 use crate::log::Action;
 
 impl Cache {
     /// Whether so much may have become unreachable that looking for it is worth the time.
     pub(crate) fn may_be_bloated(&self, spare_plans: usize) -> bool {
-        self.plans.len() > 2 * self.n_reachable + spare_plans
+        let is_more = |n: usize, n_reachable: usize| n > 2 * n_reachable + spare_plans;
+        let Reachable { plans, sites } = self.n_reachable;
+        is_more(self.plans.len(), plans) || is_more(self.sites.len(), sites)
     }
 
     /// Throws away every site, plan and emitted component that cannot be reached from `roots`.
@@ -30,7 +32,7 @@ impl Cache {
         self.evict_sites(&sites);
         self.evict_plans(&plans);
         self.evict_emitted();
-        self.n_reachable = plans.len();
+        self.n_reachable = Reachable { plans: plans.len(), sites: sites.len() };
     }
 
     fn evict_sites(&mut self, keep: &FixedSet<u32>) {

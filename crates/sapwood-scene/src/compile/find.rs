@@ -10,6 +10,7 @@ use smallvec::SmallVec;
 
 use super::cache::{Cache, Plan, Target};
 use super::pull::{Pull, Pushes};
+use crate::column::Column;
 use crate::log::Action;
 use crate::rules::ReadKey;
 use crate::slots::SlotReader;
@@ -17,14 +18,19 @@ use crate::slots::SlotReader;
 /// More read sets than this of one component are worth a warning.
 const MANY_READ_SETS: usize = 8;
 
+/// Plans of earlier edits with equal reads that a new one is compared with: enough to find the
+/// one before when an edit is taken back and made again.
+const REMEMBERED: usize = 4;
+
 /// The plans of one component under one rule.
 #[derive(Default)]
 pub(crate) struct PlanGroup {
     /// The edit that the plans answer to.
     pub(super) revision: u64,
     pub(super) sets: SmallVec<[ReadSet; 1]>,
-    /// Plans of earlier edits: what a new one is compared with.
-    pub(super) outdated: Vec<u32>,
+    /// Plans of earlier edits by the digest of their reads, the latest first: what a new one is
+    /// compared with.
+    pub(super) outdated: Option<Box<FixedMap<Digest, SmallVec<[u32; REMEMBERED]>>>>,
 }
 
 /// The plans that read the same things.
@@ -88,8 +94,27 @@ impl PlanGroup {
     /// Forgets plans; tells whether any is left.
     pub(super) fn retain(&mut self, keep: &impl Fn(u32) -> bool) -> bool {
         self.sets.retain(|set| set.plans.retain(keep));
-        self.outdated.retain(|plan| keep(*plan));
-        !(self.sets.is_empty() && self.outdated.is_empty())
+        self.outdated = self.outdated.take().and_then(|mut outdated| {
+            outdated.retain(|_, plans| {
+                plans.retain(|plan| keep(*plan));
+                !plans.is_empty()
+            });
+            (!outdated.is_empty()).then_some(outdated)
+        });
+        !(self.sets.is_empty() && self.outdated.is_none())
+    }
+
+    /// Lays the plans of an earlier edit aside. Older ones with equal reads are forgotten here;
+    /// they are discarded when nothing shows them.
+    fn outdate(&mut self, plans: &Column<Plan>) {
+        let outdated =
+            self.outdated.get_or_insert_with(|| Box::new(FixedMap::with_hasher(fixed_state())));
+        for plan in self.sets.drain(..).flat_map(|set| set.plans.plans()) {
+            let Some(row) = plans.get(plan) else { continue };
+            let same = outdated.entry(digest_of_reads(row)).or_default();
+            same.truncate(REMEMBERED - 1);
+            same.insert(0, plan);
+        }
     }
 }
 
@@ -126,11 +151,10 @@ impl Pull<'_> {
 
     /// The plan whose reads give the same values in `env`.
     fn find(&mut self, target: Target, rule: u32, revision: u64, env: EnvId) -> Option<u32> {
-        let group = self.cache.groups.get_mut(&(target, rule))?;
+        let Cache { plans, groups, .. } = &mut *self.cache;
+        let group = groups.get_mut(&(target, rule))?;
         if group.revision != revision {
-            let outdated = group.sets.iter().flat_map(|set| set.plans.plans());
-            group.outdated.extend(outdated);
-            group.sets.clear();
+            group.outdate(plans);
             group.revision = revision;
             return None;
         }
@@ -148,16 +172,18 @@ impl Pull<'_> {
     fn equal_outdated(&mut self, target: Target, rule: u32, new: u32) -> Option<u32> {
         let group = self.cache.groups.get(&(target, rule))?;
         let plan = &self.cache.plans[new];
-        let same_reads = |old: &Plan| old.reads == plan.reads;
-        let outdated = group.outdated.iter().copied();
-        let old =
-            outdated.into_iter().find(|old| self.cache.plans.get(*old).is_some_and(same_reads))?;
+        let outdated = group.outdated.as_ref()?.get(&digest_of_reads(plan))?;
+        let rows = outdated.iter().filter_map(|old| Some((*old, self.cache.plans.get(*old)?)));
+        let mut comparable = rows.filter(|(_, old)| old.reads == plan.reads);
         #[cfg(feature = "planted-faults")]
         if self.cache.stops_early {
-            return Some(old);
+            return comparable.next().map(|(old, _)| old);
         }
-        let is_equal = self.cache.digest_of(&self.cache.plans[old]) == self.cache.digest_of(plan);
-        is_equal.then_some(old)
+        let digest = std::cell::OnceCell::new();
+        let is_equal = |old: &Plan| {
+            self.cache.digest_of(old) == *digest.get_or_init(|| self.cache.digest_of(plan))
+        };
+        comparable.find(|(_, old)| is_equal(old)).map(|(old, _)| old)
     }
 
     /// Makes a plan findable by its reads.
@@ -167,7 +193,11 @@ impl Pull<'_> {
         let values = digest_of(row.reads.iter().map(|read| read.value));
         let group = groups.entry((target, rule)).or_default();
         group.revision = row.revision;
-        group.outdated.retain(|outdated| *outdated != plan);
+        if let Some(same) =
+            group.outdated.as_mut().and_then(|outdated| outdated.get_mut(&digest_of_reads(row)))
+        {
+            same.retain(|outdated| *outdated != plan);
+        }
         let asks_same = |set: &&mut ReadSet| {
             let mut pairs = set.keys.iter().zip(&row.reads);
             set.keys.len() == row.reads.len() && pairs.all(|(key, read)| key.asks_same(&read.key))
@@ -187,6 +217,10 @@ impl Pull<'_> {
             );
         }
     }
+}
+
+fn digest_of_reads(plan: &Plan) -> Digest {
+    digest_of(plan.reads.iter().map(|read| Digest::of(&(&read.key, read.value))))
 }
 
 fn digest_of(values: impl Iterator<Item = Digest>) -> Digest {

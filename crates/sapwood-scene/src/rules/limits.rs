@@ -33,8 +33,8 @@ pub struct Budget {
     pub triangles: u64,
     /// Parts in all plans together.
     pub parts: u64,
-    /// Plans that are kept although nothing shows them at the moment; past this they are
-    /// discarded.
+    /// Plans, and as many sites, that are kept although nothing shows them at the moment; past
+    /// this they are discarded.
     pub spare_plans: usize,
     /// Emitted components above each other.
     pub emitted_depth: u32,
