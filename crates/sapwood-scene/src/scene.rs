@@ -62,14 +62,11 @@ impl Scene {
         parent: impl Into<NodeId>,
         component: C,
     ) -> Result<Handle<C>, EditError> {
+        let parent = parent.into();
+        self.graph.room_below(parent)?;
         let handle = self.add(component);
-        match self.append(parent, handle) {
-            Ok(()) => Ok(handle),
-            Err(error) => {
-                self.graph.remove(handle.id())?;
-                Err(error)
-            }
-        }
+        self.append(parent, handle)?;
+        Ok(handle)
     }
 
     /// Makes `child` the last child of `parent`; a node may have many parents, and may be a

@@ -51,6 +51,11 @@ impl Edges {
         &self.0[edge]
     }
 
+    /// How many edges there are.
+    pub(crate) fn len(&self) -> usize {
+        self.0.len()
+    }
+
     /// Puts a new edge before `before` in the parent's list, or at its end.
     pub(crate) fn link(
         &mut self,

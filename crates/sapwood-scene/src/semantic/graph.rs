@@ -115,6 +115,18 @@ impl Graph {
         Ok(change(component))
     }
 
+    /// Tells why a node can hold no further child, if it cannot.
+    pub(crate) fn room_below(&self, parent: NodeId) -> Result<(), EditError> {
+        let at = self.node(parent)?;
+        let fits = match self.storage.children(at.component) {
+            Children::None => false,
+            Children::One => at.ends.n_children == 0,
+            Children::Many => true,
+        };
+        let kind = self.storage.kind(at.component).name();
+        if fits { Ok(()) } else { Err(EditError::Full { parent, kind }) }
+    }
+
     /// Makes `child` a child of `parent` at `index`, or behind all others.
     pub(crate) fn insert(
         &mut self,
@@ -125,14 +137,7 @@ impl Graph {
         self.node(child)?;
         let at = self.node(parent)?;
         let n = at.ends.n_children as usize;
-        let fits = match self.storage.children(at.component) {
-            Children::None => false,
-            Children::One => n == 0,
-            Children::Many => true,
-        };
-        if !fits {
-            return Err(EditError::Full { parent, kind: self.storage.kind(at.component).name() });
-        }
+        self.room_below(parent)?;
         let before = match index {
             None => NO_EDGE,
             Some(index) if index == n => NO_EDGE,
@@ -175,11 +180,28 @@ impl Graph {
         self.edges.children(*ends).nth(index).ok_or(out_of_range)
     }
 
+    /// The first edge between the two. Searched from both ends in turns, so that it costs the
+    /// shorter of the parent's list and the child's ring, unless the edge is there twice.
     fn edge_to(&self, parent: NodeId, child: NodeId) -> Result<u32, EditError> {
-        let ends = &self.node(parent)?.ends;
-        let mut edges = self.edges.children(*ends);
-        let found = edges.find(|edge| self.edges.get(*edge).child == child);
-        found.ok_or(EditError::NotAChild { parent, child })
+        let mut list = self.edges.children(self.node(parent)?.ends);
+        let mut ring = self.edges.parents(self.node(child)?.ends);
+        let mut in_ring = None;
+        while let Some(edge) = list.next() {
+            if self.edges.get(edge).child == child {
+                return Ok(edge);
+            }
+            match ring.next() {
+                Some(edge) if self.edges.get(edge).parent != parent => {}
+                Some(edge) if in_ring.is_none() => in_ring = Some(edge),
+                // A second one: only the list tells which is first.
+                Some(_) => {
+                    let mut rest = list.filter(|edge| self.edges.get(*edge).child == child);
+                    return rest.next().ok_or(EditError::NotAChild { parent, child });
+                }
+                None => break,
+            }
+        }
+        in_ring.ok_or(EditError::NotAChild { parent, child })
     }
 
     /// Takes the first edge between the two away; the child stays in the scene.
@@ -215,6 +237,7 @@ impl Graph {
         from: NodeId,
         to: NodeId,
     ) -> Result<(), EditError> {
+        self.node(child)?;
         let edge = self.edge_to(from, child)?;
         if from == to {
             return self.reorder_to_end(from, edge);
@@ -263,27 +286,32 @@ impl Graph {
 
     /// The first fault found in the links between nodes and edges, for tests and debug builds.
     pub(crate) fn fault(&self) -> Option<String> {
+        let (mut n_listed, mut n_ringed) = (0, 0);
         for (id, node) in &self.nodes {
-            let children: Vec<u32> = self.edges.children(node.ends).collect();
-            if children.len() != node.ends.n_children as usize {
+            let mut n_children = 0;
+            for edge in self.edges.children(node.ends) {
+                if self.edges.get(edge).parent != id {
+                    return Some(format!("{id:?} lists a foreign edge"));
+                }
+                n_children += 1;
+            }
+            if n_children != node.ends.n_children {
                 return Some(format!("{id:?} counts {} children", node.ends.n_children));
             }
-            if children.iter().any(|edge| self.edges.get(*edge).parent != id) {
-                return Some(format!("{id:?} lists a foreign edge"));
-            }
+            n_listed += n_children as usize;
             for edge in self.edges.parents(node.ends) {
                 let edge = self.edges.get(edge);
-                let holds = |parent: &Node| {
-                    self.edges.children(parent.ends).any(|e| self.edges.get(e).child == id)
-                };
-                if edge.child != id || !self.nodes.get(edge.parent).is_some_and(holds) {
+                if edge.child != id || !self.nodes.contains_key(edge.parent) {
                     return Some(format!("{id:?} has a foreign edge in its ring"));
                 }
+                n_ringed += 1;
             }
             if node.edited_below < node.edited && node.edited_below <= self.pulled_at {
                 return Some(format!("{id:?} was edited and not marked"));
             }
         }
-        None
+        let n = self.edges.len();
+        (n_listed != n || n_ringed != n)
+            .then(|| format!("of {n} edges {n_listed} are listed and {n_ringed} lie in rings"))
     }
 }
