@@ -68,8 +68,8 @@ pub(crate) struct Site {
     pub(crate) view: u32,
     /// Sorted by slot.
     pub(crate) key: Vec<(SlotKey, Digest)>,
-    /// Under what the site is indexed; nothing where another site was there first.
-    pub(crate) index: Option<Digest>,
+    /// The hashes under which the site is indexed.
+    pub(crate) indices: SmallVec<[u64; 2]>,
     pub(crate) links: SmallVec<[Link; 1]>,
     /// The revision at which everything below was up to date.
     pub(crate) verified: u64,
@@ -116,7 +116,7 @@ pub(crate) struct Cache {
     pub(crate) emitted_storage: Storage,
     pub(crate) rules: Vec<KnownRule>,
     pub(crate) groups: FixedMap<(Target, u32), PlanGroup>,
-    pub(crate) site_index: FixedMap<Digest, SiteId>,
+    pub(crate) site_index: FixedMap<u64, SiteId>,
     pub(crate) emitted_index: FixedMap<(Kind, Digest), u32>,
     /// Triangles in all plans together.
     pub(crate) triangles: u64,
@@ -241,7 +241,7 @@ impl Cache {
             plan,
             view,
             key: Vec::new(),
-            index: None,
+            indices: SmallVec::new(),
             links: smallvec::smallvec![Link::Unfilled],
             verified: 0,
             is_closed: false,

@@ -39,8 +39,10 @@ impl Cache {
         let gone: Vec<u32> =
             self.sites.iter().map(|(site, _)| site).filter(|site| !keep.contains(site)).collect();
         for site in gone {
-            if let Some(index) = self.sites.remove(site).and_then(|row| row.index) {
-                self.site_index.remove(&index);
+            if let Some(row) = self.sites.remove(site) {
+                for index in row.indices {
+                    self.site_index.remove(&index);
+                }
             }
             self.counts.forget(SiteId(site));
         }

@@ -1,6 +1,6 @@
 //! Linking: the plan in its context becomes a site, and the parent's link leads to it.
 
-use sapwood_geom::{Digest, Digester, FixedMap, fixed_state};
+use sapwood_geom::{Digest, FixedMap, fixed_state};
 use sapwood_graph::{Diagnostic, EnvId, Interrupted, Kind, SiteId, Supplied, Supply, Want};
 use smallvec::SmallVec;
 
@@ -105,22 +105,28 @@ impl Pull<'_> {
     /// known to read below, or made.
     fn site_for(&mut self, plan: u32, env: EnvId, previous: Option<SiteId>) -> SiteId {
         let row = &self.cache.plans[plan];
-        let mut all: SmallVec<[SlotKey; 4]> = SmallVec::new();
+        let mut all: SmallVec<[SlotKey; 8]> = SmallVec::new();
+        let mut expect = |slot: SlotKey| {
+            if let Err(place) = all.binary_search(&slot) {
+                all.insert(place, slot);
+            }
+        };
         for set in &row.slot_sets {
-            let key = set.iter().map(|slot| (*slot, self.value(env, *slot).digest));
-            let index = index_of(plan, self.number, key);
-            if let Some(&site) = self.cache.site_index.get(&index) {
-                self.visit_below(site);
-                return site;
-            }
-            for slot in set.iter() {
-                if let Err(place) = all.binary_search(slot) {
-                    all.insert(place, *slot);
+            let key = self.digests(env, set.iter().copied());
+            if let Some(&site) = self.cache.site_index.get(&index_of(plan, self.number, &key)) {
+                let found = &self.cache.sites[site.0];
+                let is_ours = found.plan == plan && found.view == self.number;
+                if is_ours && self.fits(site, env) {
+                    self.visit_below(site);
+                    return site;
                 }
+                // It has read more since it was indexed, as this one probably will.
+                found.key.iter().filter(|_| is_ours).for_each(|(slot, _)| expect(*slot));
             }
+            set.iter().copied().for_each(&mut expect);
         }
         // Everything that was ever read below is likely to be read here too.
-        let key = all.iter().map(|slot| (*slot, self.value(env, *slot).digest)).collect();
+        let key = self.digests(env, all.iter().copied()).into_vec();
         let links = match previous {
             Some(previous) => self.links_like(row, previous),
             None => row.links.iter().map(|_| Link::Unfilled).collect(),
@@ -130,7 +136,7 @@ impl Pull<'_> {
             plan,
             view: self.number,
             key,
-            index: None,
+            indices: SmallVec::new(),
             links,
             verified: 0,
             is_closed: false,
@@ -195,14 +201,13 @@ impl Pull<'_> {
             if missing.is_empty() {
                 return;
             }
-            for slot in missing {
-                let digest = self.value(above.env, slot).digest;
-                let key = &mut self.cache.sites[above.site.0].key;
+            let grown = self.digests(above.env, missing.iter().copied());
+            let key = &mut self.cache.sites[above.site.0].key;
+            for (slot, digest) in grown {
                 if let Err(place) = key.binary_search_by_key(&slot, |(slot, _)| *slot) {
                     key.insert(place, (slot, digest));
                 }
             }
-            self.enlist_site(above.site);
             expected = Some(above.site);
             at = above.env;
         }
@@ -221,36 +226,28 @@ impl Pull<'_> {
     }
 
     /// Makes a site findable by its key as it is now, unless another one is found by it.
+    ///
+    /// A site stays findable by its earlier keys: who finds it compares its key first.
     pub(super) fn enlist_site(&mut self, site: SiteId) {
         let row = &self.cache.sites[site.0];
-        if matches!(self.cache.plans[row.plan].target, Target::View(_)) {
+        let (plan, index) = (row.plan, index_of(row.plan, row.view, &row.key));
+        let plan = &mut self.cache.plans[plan];
+        if matches!(plan.target, Target::View(_)) || row.indices.contains(&index) {
             return;
         }
-        let index = index_of(row.plan, row.view, row.key.iter().copied());
-        if row.index == Some(index) {
-            return;
-        }
-        if let Some(old) = row.index {
-            self.cache.site_index.remove(&old);
-        }
-        let plan = &mut self.cache.plans[row.plan];
         let is_known = plan.slot_sets.iter().any(|set| {
             set.len() == row.key.len() && set.iter().zip(&row.key).all(|(a, (b, _))| a == b)
         });
         if !is_known {
             plan.slot_sets.push(row.key.iter().map(|(slot, _)| *slot).collect());
         }
-        let is_first = *self.cache.site_index.entry(index).or_insert(site) == site;
-        self.cache.sites[site.0].index = is_first.then_some(index);
+        if *self.cache.site_index.entry(index).or_insert(site) == site {
+            self.cache.sites[site.0].indices.push(index);
+        }
     }
 }
 
-/// The digest by which the site of a plan in a view is found.
-fn index_of(plan: u32, view: u32, key: impl Iterator<Item = (SlotKey, Digest)>) -> Digest {
-    let mut digester = Digester::new();
-    digester.add(&plan).add(&view);
-    for (slot, value) in key {
-        digester.add(slot.name()).add(&value);
-    }
-    digester.finish()
+/// The hash by which the site of a plan in a view is looked for.
+fn index_of(plan: u32, view: u32, key: &[(SlotKey, Digest)]) -> u64 {
+    fixed_state().hash_one((plan, view, key))
 }

@@ -2,10 +2,12 @@
 
 use std::sync::Mutex;
 
-use sapwood_geom::Bound;
+use sapwood_geom::{Bound, Digest};
 use sapwood_graph::{
     CountMemo, EnvId, Interrupted, PlanRef, Provide, SiteId, Supplied, Supply, Want,
 };
+
+use smallvec::SmallVec;
 
 use super::cache::{Cache, Link, Target};
 use crate::rules::Scope;
@@ -57,16 +59,23 @@ impl<'a> Pull<'a> {
         self.cache.counts = counts;
     }
 
-    /// The value of a slot in an environment.
-    pub(super) fn value(&self, env: EnvId, slot: SlotKey) -> SlotValue {
+    /// The digests of slots in an environment.
+    pub(super) fn digests(
+        &self,
+        env: EnvId,
+        slots: impl Iterator<Item = SlotKey>,
+    ) -> SmallVec<[(SlotKey, Digest); 8]> {
         let mut environments = self.environments.lock().unwrap_or_else(|e| e.into_inner());
-        environments.value(&Pushes { cache: self.cache, view: self.view }, env, slot)
+        let pushes = Pushes { cache: self.cache, view: self.view };
+        slots.map(|slot| (slot, environments.digest(&pushes, env, slot))).collect()
     }
 
     /// Whether a site's key gives the values that hold in `env`.
     pub(super) fn fits(&self, site: SiteId, env: EnvId) -> bool {
         let key = &self.cache.sites[site.0].key;
-        key.iter().all(|(slot, digest)| self.value(env, *slot).digest == *digest)
+        let mut environments = self.environments.lock().unwrap_or_else(|e| e.into_inner());
+        let pushes = Pushes { cache: self.cache, view: self.view };
+        key.iter().all(|(slot, digest)| environments.digest(&pushes, env, *slot) == *digest)
     }
 
     /// Whether the site's own key holds whatever slot of the child's key comes from above.

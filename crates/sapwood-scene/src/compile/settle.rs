@@ -130,7 +130,7 @@ impl Pull<'_> {
         let exact: Vec<_> = row.key.iter().copied().filter(|(slot, _)| is_read(*slot)).collect();
         if exact.len() < row.key.len() {
             self.cache.sites[site.0].key = exact;
-            self.enlist_site(site);
         }
+        self.enlist_site(site);
     }
 }

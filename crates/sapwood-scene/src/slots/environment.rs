@@ -1,13 +1,13 @@
 //! Environments: the chains of slot pushes above places.
 //!
 //! An environment is made when a walk goes through a link: it names the environment of the
-//! parent's site, the site, and the link. Values are computed when somebody asks, by climbing to
-//! the nearest known one, and remembered on the whole way for the rest of the pass.
+//! parent's site, the site, and the link. Who goes through the same link again in the same pass
+//! gets the same environment. Values are computed when somebody asks, by climbing to the nearest
+//! known one, and remembered on the whole way for the rest of the pass.
 
-use std::any::TypeId;
-
-use sapwood_geom::{FixedMap, fixed_state};
+use sapwood_geom::{Digest, FixedMap, fixed_state};
 use sapwood_graph::{EnvId, SiteId};
+use smallvec::SmallVec;
 
 use super::{SlotKey, SlotValue};
 
@@ -50,12 +50,18 @@ pub(crate) enum Pushed<'a> {
 /// The environments of one pass.
 pub(crate) struct Environments {
     above: Vec<Above>,
-    values: FixedMap<(u32, TypeId), SlotValue>,
+    /// The values known of each environment; few, for rules read few slots.
+    values: Vec<SmallVec<[(SlotKey, SlotValue); 4]>>,
+    entered: FixedMap<(EnvId, SiteId, u32), EnvId>,
 }
 
 impl Environments {
     pub(crate) fn new() -> Self {
-        let mut new = Self { above: Vec::new(), values: FixedMap::with_hasher(fixed_state()) };
+        let mut new = Self {
+            above: Vec::new(),
+            values: Vec::new(),
+            entered: FixedMap::with_hasher(fixed_state()),
+        };
         new.clear();
         new
     }
@@ -70,18 +76,37 @@ impl Environments {
         let nowhere = SiteId(u32::MAX);
         self.above.push(Above { env: EnvId(ROOT), site: nowhere, link: 0, n_emitted: 0 });
         self.values.clear();
+        self.values.push(SmallVec::new());
+        self.entered.clear();
     }
 
     /// The environment behind `link` of `site`.
     pub(crate) fn enter(&mut self, env: EnvId, site: SiteId, link: u32, emitted: bool) -> EnvId {
-        let n_emitted = if emitted { self.above[env.0 as usize].n_emitted + 1 } else { 0 };
-        self.above.push(Above { env, site, link, n_emitted });
-        EnvId(u32::try_from(self.above.len() - 1).expect("a pass meets fewer than 2^32 places"))
+        let Self { above, values, entered } = self;
+        *entered.entry((env, site, link)).or_insert_with(|| {
+            let n_emitted = if emitted { above[env.0 as usize].n_emitted + 1 } else { 0 };
+            above.push(Above { env, site, link, n_emitted });
+            values.push(SmallVec::new());
+            EnvId(u32::try_from(above.len() - 1).expect("a pass meets fewer than 2^32 places"))
+        })
     }
 
     /// How an environment was reached; nothing for the root.
     pub(crate) fn above(&self, env: EnvId) -> Option<Above> {
         (env.0 != ROOT).then(|| self.above[env.0 as usize])
+    }
+
+    fn known(&self, env: EnvId, slot: SlotKey) -> Option<&SlotValue> {
+        let values = &self.values[env.0 as usize];
+        values.iter().find(|(known, _)| *known == slot).map(|(_, value)| value)
+    }
+
+    /// The digest of a slot's value.
+    pub(crate) fn digest(&mut self, pushes: &dyn LinkPushes, env: EnvId, slot: SlotKey) -> Digest {
+        match self.known(env, slot) {
+            Some(value) => value.digest,
+            None => self.value(pushes, env, slot).digest,
+        }
     }
 
     /// The value of a slot.
@@ -95,26 +120,30 @@ impl Environments {
         let mut passed: smallvec::SmallVec<[(EnvId, Pushed<'_>); 4]> = smallvec::SmallVec::new();
         let mut at = env;
         let mut value = loop {
-            if let Some(known) = self.values.get(&(at.0, slot.type_id())) {
+            if let Some(known) = self.known(at, slot) {
                 break known.clone();
             }
             let Some(above) = self.above(at) else {
-                break pushes.root_value(slot).unwrap_or_else(|| slot.default());
+                let value = pushes.root_value(slot).unwrap_or_else(|| slot.default());
+                self.values[ROOT as usize].push((slot, value.clone()));
+                break value;
             };
             let pushed = pushes.push(above.site, above.link, slot);
-            let is_replaced = matches!(pushed, Pushed::Replaced(_));
+            let replaced = match &pushed {
+                Pushed::Replaced(new) => Some(SlotValue::clone(new)),
+                Pushed::Nothing | Pushed::Merged(_) => None,
+            };
             passed.push((at, pushed));
-            if is_replaced {
+            if let Some(new) = replaced {
                 // Whatever is inherited here does not matter.
-                break slot.default();
+                break new;
             }
             at = above.env;
         };
         // Remembered at every place, so that no stretch of the way up is climbed twice.
         for (place, pushed) in passed.into_iter().rev() {
             match pushed {
-                Pushed::Nothing => {}
-                Pushed::Replaced(new) => value = new.clone(),
+                Pushed::Nothing | Pushed::Replaced(_) => {}
                 Pushed::Merged(list) => {
                     value = list.iter().fold(value, |value, new| slot.merge(&value, new));
                 }
@@ -124,7 +153,7 @@ impl Environments {
             {
                 value = slot.descend(value, pushes.child_key(above.site, above.link));
             }
-            self.values.insert((place.0, slot.type_id()), value.clone());
+            self.values[place.0 as usize].push((slot, value.clone()));
         }
         value
     }
