@@ -1,7 +1,9 @@
 //! The arguments and their help texts.
 
-use clap::{ArgAction, Args, Parser, Subcommand};
+use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use tracing_subscriber::filter::LevelFilter;
+
+use crate::grow::Output;
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -9,13 +11,20 @@ Exit codes:
   1  the input is at fault: an unknown species, an error in a file
   2  the arguments are at fault
   3  the output could not be written; an existing file is left as it was
-  4  a budget was exceeded, such as the number of triangles";
+  4  a budget ran out, such as the number of triangles; nothing was written";
+
+const GROW_EXAMPLES: &str = "\
+Examples:
+  sapwood grow quaking_aspen -o quaking_aspen.glb
+  sapwood grow black_tupelo --seed 7 -o tupelo.glb -o tupelo.svg
+  sapwood grow my_species.toml --at 12,0,-3.5 --detail skeleton -o lines.svg
+  sapwood grow weeping_willow --levels 2";
 
 /// Grows scenes from descriptions.
 #[derive(Debug, Parser)]
 #[command(name = "sapwood", version, after_help = EXIT_CODES, arg_required_else_help = true)]
 pub(crate) struct Arguments {
-    /// Tell what is going on, on standard error; twice: in detail
+    /// Tell what is going on, on standard error; -vv: what was compiled; -vvv: each component
     #[arg(short, long, global = true, action = ArgAction::Count)]
     pub(crate) verbose: u8,
     #[command(subcommand)]
@@ -24,8 +33,61 @@ pub(crate) struct Arguments {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
+    /// Grow a tree, tell how large it is and write it to files
+    #[command(after_help = GROW_EXAMPLES)]
+    Grow(GrowArguments),
     /// Built-in species: list them, show one
     Species(SpeciesArguments),
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct GrowArguments {
+    /// Name of a built-in species (see `sapwood species`), or a species file
+    #[arg(value_name = "SPECIES|FILE")]
+    pub(crate) species: String,
+    /// Which individual: another number, another tree [default: 0]
+    #[arg(long, value_name = "N", value_parser = number, allow_negative_numbers = true)]
+    pub(crate) seed: Option<u64>,
+    /// Stand the tree at this place, in metres, y up; the place also decides which individual
+    /// it is
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        value_parser = place,
+        allow_hyphen_values = true,
+        conflicts_with = "seed"
+    )]
+    pub(crate) at: Option<[f32; 3]>,
+    /// What to make of the stems
+    #[arg(long, value_enum, default_value_t = Detail::Full)]
+    pub(crate) detail: Detail,
+    /// Grow that many levels of stems only, 1 for the trunk alone; leaves grow on the last
+    #[arg(long, value_name = "N", value_parser = levels, allow_negative_numbers = true)]
+    pub(crate) levels: Option<u32>,
+    /// Write a file, whole or not at all: .glb for surfaces and leaves, .svg for the skeleton;
+    /// may be given several times
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Vec<Output>,
+    /// Stop before there are more triangles than this
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 50_000_000,
+        hide_default_value = true,
+        value_parser = number,
+        allow_negative_numbers = true,
+        help = "Stop before there are more triangles than this [default: 50 million]"
+    )]
+    pub(crate) max_triangles: u64,
+}
+
+/// What stems are compiled to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Detail {
+    /// Surfaces and leaves
+    Full,
+    /// Lines with radii
+    Skeleton,
 }
 
 #[derive(Args, Debug)]
@@ -58,6 +120,24 @@ impl Arguments {
     }
 }
 
+fn number(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| format!("accepted: whole numbers from 0 to {}", u64::MAX))
+}
+
+/// How many levels there are to choose from, the species decides.
+fn levels(text: &str) -> Result<u32, String> {
+    text.parse().map_err(|_| "accepted: 1 up to the levels of the species".to_owned())
+}
+
+fn place(text: &str) -> Result<[f32; 3], String> {
+    let numbers = text.split(',').map(|number| number.trim().parse::<f32>());
+    let numbers: Vec<f32> = numbers.collect::<Result<_, _>>().unwrap_or_default();
+    match <[f32; 3]>::try_from(numbers) {
+        Ok(place) if place.iter().all(|x| x.is_finite()) => Ok(place),
+        _ => Err("accepted: three finite numbers, as in 12,0,-3.5".to_owned()),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use clap::CommandFactory as _;
@@ -69,5 +149,22 @@ mod tests {
         Arguments::command().debug_assert();
         let help = Arguments::command().render_long_help().to_string();
         assert!(help.contains("Exit codes:\n  0  done"), "{help}");
+    }
+
+    #[test]
+    fn places_are_three_finite_numbers() {
+        assert_eq!(place("1,-2.5, 3e1"), Ok([1.0, -2.5, 30.0]));
+        for wrong in ["", "1,2", "1,2,3,4", "1,2,x", "1,2,nan", "inf,0,0", "1e39,0,0", "1;2;3"] {
+            let error = place(wrong).unwrap_err();
+            assert!(error.starts_with("accepted: three finite numbers"), "{wrong}: {error}");
+        }
+    }
+
+    #[test]
+    fn seeds_and_budgets_are_whole_numbers() {
+        assert_eq!(number("18446744073709551615"), Ok(u64::MAX));
+        for wrong in ["-1", "1.5", "x", "18446744073709551616"] {
+            assert!(number(wrong).unwrap_err().contains("whole numbers from 0"), "{wrong}");
+        }
     }
 }

@@ -3,6 +3,9 @@
 use std::io;
 use std::process::ExitCode;
 
+use sapwood::graph::{Diagnostic, Interrupted};
+use sapwood::scene::{EditError, ViewError};
+
 /// A failed command.
 #[derive(Debug)]
 pub(crate) struct Failure {
@@ -14,6 +17,21 @@ impl Failure {
     const INPUT: u8 = 1;
     const USAGE: u8 = 2;
     const OUTPUT: u8 = 3;
+    const BUDGET: u8 = 4;
+
+    /// Arguments that do not fit what they are meant for.
+    pub(crate) fn usage(line: String) -> Self {
+        Self { code: Self::USAGE, lines: vec![line] }
+    }
+
+    /// Components that cannot be compiled, each with the links that lead to it.
+    pub(crate) fn diagnostics(found: &[(Vec<u32>, Diagnostic)]) -> Self {
+        let line = |(path, diagnostic): &(Vec<u32>, Diagnostic)| {
+            let links: String = path.iter().map(|link| format!("/{link}")).collect();
+            format!("{diagnostic} (at {links})")
+        };
+        Self { code: Self::INPUT, lines: found.iter().map(line).collect() }
+    }
 
     /// Writes the lines to standard error and gives the exit code.
     pub(crate) fn report(self) -> ExitCode {
@@ -24,10 +42,35 @@ impl Failure {
     }
 }
 
-impl From<sapwood_io::Error> for Failure {
-    fn from(error: sapwood_io::Error) -> Self {
+impl From<sapwood::io::Error> for Failure {
+    fn from(error: sapwood::io::Error) -> Self {
         let code = if error.is_write() { Self::OUTPUT } else { Self::INPUT };
         Self { code, lines: error.all().map(|error| error.line().to_string()).collect() }
+    }
+}
+
+/// A budget that ran out, mostly.
+impl From<ViewError> for Failure {
+    fn from(error: ViewError) -> Self {
+        let ViewError::Interrupted(Interrupted::Exhausted { what, limit, component }) = error
+        else {
+            return Self { code: Self::INPUT, lines: vec![error.to_string()] };
+        };
+        let advice = match what {
+            "triangles" => "allow more with --max-triangles, or grow fewer --levels",
+            _ => "grow fewer --levels, or lower the species' numbers of branches and leaves",
+        };
+        let line = format!(
+            "this takes more than {limit} {what}, the limit, which was met in a component of \
+             kind {component}; {advice}; nothing was written"
+        );
+        Self { code: Self::BUDGET, lines: vec![line] }
+    }
+}
+
+impl From<EditError> for Failure {
+    fn from(error: EditError) -> Self {
+        Self { code: Self::INPUT, lines: vec![error.to_string()] }
     }
 }
 
@@ -43,7 +86,9 @@ impl From<clap::Error> for Failure {
             };
         };
         // One line, without the usage that `--help` shows better.
-        let lines = message.lines().map(str::trim).take_while(|line| !line.starts_with("Usage:"));
+        let is_about_wrong =
+            |line: &&str| !line.starts_with("Usage:") && !line.starts_with("For more information");
+        let lines = message.lines().map(str::trim).take_while(is_about_wrong);
         let lines: Vec<_> = lines.filter(|line| !line.is_empty()).collect();
         Self { code: Self::USAGE, lines: vec![format!("{} (try --help)", lines.join(" "))] }
     }

@@ -5,9 +5,10 @@
 
 mod arguments;
 mod failure;
+mod grow;
 mod species;
 
-use std::io::{self, Write};
+use std::io::{self, IsTerminal as _, Write};
 use std::process::ExitCode;
 
 use clap::Parser as _;
@@ -23,6 +24,7 @@ fn main() -> ExitCode {
     tracing_subscriber::fmt()
         .with_max_level(arguments.level())
         .with_writer(io::stderr)
+        .with_ansi(io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none())
         .without_time()
         .init();
     let mut out = io::BufWriter::new(io::stdout().lock());
@@ -35,6 +37,7 @@ fn main() -> ExitCode {
 
 fn run(command: Command, out: &mut dyn Write) -> Result<(), Failure> {
     match command {
+        Command::Grow(command) => grow::run(&command, out),
         Command::Species(command) => species::run(command, out),
     }
 }

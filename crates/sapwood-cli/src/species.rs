@@ -14,8 +14,8 @@ pub(crate) fn run(arguments: SpeciesArguments, out: &mut dyn Write) -> Result<()
 }
 
 fn list(out: &mut dyn Write) -> Result<(), Failure> {
-    for name in sapwood_io::built_in_names() {
-        let species = sapwood_io::find_species(name)?;
+    for name in sapwood::io::built_in_names() {
+        let species = sapwood::io::find_species(name)?;
         let size = match (species.scale, species.scale_v) {
             (scale, 0.0) => format!("{scale} m"),
             (scale, variation) => format!("{scale} +- {variation} m"),
@@ -28,11 +28,11 @@ fn list(out: &mut dyn Write) -> Result<(), Failure> {
 
 /// A built-in species as its file stands, with its comments; any other in the order of the keys.
 fn show(name: &str, out: &mut dyn Write) -> Result<(), Failure> {
-    match sapwood_io::built_in_text(name) {
+    match sapwood::io::built_in_text(name) {
         Some(text) => out.write_all(text.as_bytes())?,
         None => {
-            let species = sapwood_io::find_species(name)?;
-            out.write_all(sapwood_io::write_species(&species).as_bytes())?;
+            let species = sapwood::io::find_species(name)?;
+            out.write_all(sapwood::io::write_species(&species).as_bytes())?;
         }
     }
     Ok(())
@@ -63,10 +63,10 @@ mod tests {
 
     #[test]
     fn a_species_is_shown_so_that_it_can_be_read_again() {
-        for name in sapwood_io::built_in_names() {
+        for name in sapwood::io::built_in_names() {
             let text = sapwood(&["species", "show", name]).unwrap();
-            let species = sapwood_io::parse_species(&text, "shown").unwrap();
-            assert_eq!(species, sapwood_io::find_species(name).unwrap());
+            let species = sapwood::io::parse_species(&text, "shown").unwrap();
+            assert_eq!(species, sapwood::io::find_species(name).unwrap());
         }
     }
 

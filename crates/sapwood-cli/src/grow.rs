@@ -1,0 +1,306 @@
+//! `sapwood grow`: a scene with one tree, compiled, summed up and written to files.
+
+mod output;
+mod summary;
+
+use std::io::Write;
+use std::time::{Duration, Instant};
+
+use sapwood::graph::DrawList;
+use sapwood::rules::weber_penn::{Seed, Species, Tree};
+use sapwood::scene::{Action, Attribute, Budget, Handle, RuleSet, Scene, Transform, ViewId};
+use tracing::{Level, debug, info};
+
+use crate::arguments::{Detail, GrowArguments};
+use crate::failure::Failure;
+
+use output::Format;
+pub(crate) use output::Output;
+use summary::{Census, Phase, Summary};
+
+/// Edge length in metres of the cells that make a position a seed.
+const CELL: f32 = 0.1;
+/// Components that cannot be compiled and are told of; more would drown the first.
+const MAX_DIAGNOSTICS: usize = 10;
+
+/// Grows a tree; what is at fault is found in this order: arguments, species, compiling, files.
+pub(crate) fn run(arguments: &GrowArguments, out: &mut dyn Write) -> Result<(), Failure> {
+    check_outputs(arguments)?;
+    let mut steps = Steps::default();
+    let species = steps.time("read", || sapwood::io::find_species(&arguments.species))?;
+    let species = limited(species, arguments.levels)?;
+
+    let mut scene = Scene::new();
+    scene.set_logging(tracing::enabled!(Level::DEBUG));
+    let root = planted(&mut scene, &species, arguments)?;
+    let rules = match arguments.detail {
+        Detail::Full => sapwood::standard_rules(),
+        Detail::Skeleton => sapwood::skeleton_rules(),
+    };
+    let (view, bounds) = steps.time("compile", || compiled(&mut scene, root, &rules, arguments))?;
+    let census = Census::of(&mut scene, view, species.levels)?;
+    let list = steps.time("draw list", || scene.draw_list(view, usize::MAX))?;
+    let surfaces = (arguments.detail == Detail::Full).then(|| list.n_vertices_and_triangles());
+
+    // Everything is compiled before the first file is written.
+    let wants_svg = arguments.output.iter().any(|output| output.format() == Format::Svg);
+    let lines: Option<DrawList> = match arguments.detail {
+        Detail::Full if wants_svg => {
+            let rules = sapwood::skeleton_rules();
+            Some(steps.time("compile skeleton", || {
+                let (view, _) = compiled(&mut scene, root, &rules, arguments)?;
+                Ok::<_, Failure>(scene.draw_list(view, usize::MAX)?)
+            })?)
+        }
+        _ => None,
+    };
+    for output in &arguments.output {
+        let list = match output.format() {
+            Format::Glb => &list,
+            Format::Svg => lines.as_ref().unwrap_or(&list),
+        };
+        steps.write(output, list)?;
+    }
+
+    let title = title(&species, arguments);
+    let bounds = bounds.aabb;
+    write!(out, "{}", Summary { title, census, surfaces, bounds, phases: steps.0 })?;
+    Ok(())
+}
+
+/// Refuses files that hold what the detail does not make.
+fn check_outputs(arguments: &GrowArguments) -> Result<(), Failure> {
+    let is_glb = |output: &&Output| output.format() == Format::Glb;
+    match (arguments.detail, arguments.output.iter().find(is_glb)) {
+        (Detail::Skeleton, Some(output)) => Err(Failure::usage(format!(
+            "{}: a .glb holds surfaces, and --detail skeleton makes none; accepted: .svg, or \
+             --detail full",
+            output.path().display()
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// The species with no more than `levels` levels of stems.
+fn limited(mut species: Species, levels: Option<u32>) -> Result<Species, Failure> {
+    if let Some(levels) = levels {
+        if !(1..=species.levels).contains(&levels) {
+            return Err(Failure::usage(format!(
+                "--levels {levels}: {} has {} levels of stems (accepted: 1 to {})",
+                species.name, species.levels, species.levels
+            )));
+        }
+        species.levels = levels;
+    }
+    Ok(species)
+}
+
+/// Places the species and a tree of it in the scene.
+fn planted(
+    scene: &mut Scene,
+    species: &Species,
+    arguments: &GrowArguments,
+) -> Result<Handle<Attribute>, Failure> {
+    let root = scene.add(species.attribute());
+    match arguments.at {
+        None => {
+            let seed = Seed::Explicit(arguments.seed.unwrap_or(0));
+            scene.add_to(root, Tree { seed })?;
+        }
+        Some([x, y, z]) => {
+            let place = scene.add_to(root, Transform::translation(x, y, z))?;
+            scene.add_to(place, Tree { seed: Seed::Position { cell: CELL } })?;
+        }
+    }
+    Ok(root)
+}
+
+/// Opens a view and compiles all of it; tells its bound, or why it is not complete.
+fn compiled(
+    scene: &mut Scene,
+    root: Handle<Attribute>,
+    rules: &RuleSet,
+    arguments: &GrowArguments,
+) -> Result<(ViewId, sapwood::geom::Bound), Failure> {
+    let view = scene.open_view(root, rules)?;
+    let triangles = arguments.max_triangles;
+    scene.set_budget(view, Budget { triangles, ..Budget::default() })?;
+    let bounds = scene.bounds(view)?;
+    tell_log(scene);
+    let found = scene.diagnostics(view, MAX_DIAGNOSTICS)?;
+    if found.is_empty() { Ok((view, bounds)) } else { Err(Failure::diagnostics(&found)) }
+}
+
+/// Tells what was compiled and what was used again, one line for each rule.
+fn tell_log(scene: &mut Scene) {
+    let mut rows: Vec<(&'static str, Action, u64)> = Vec::new();
+    for event in scene.take_log() {
+        match rows.iter_mut().find(|row| (row.0, row.1) == (event.rule, event.action)) {
+            Some(row) => row.2 += 1,
+            None => rows.push((event.rule, event.action, 1)),
+        }
+    }
+    for (rule, action, times) in rows {
+        debug!(rule, ?action, times);
+    }
+}
+
+fn title(species: &Species, arguments: &GrowArguments) -> String {
+    let detail = match arguments.detail {
+        Detail::Full => "",
+        Detail::Skeleton => ", skeleton",
+    };
+    let name = if species.name.is_empty() { &arguments.species } else { &species.name };
+    match arguments.at {
+        Some([x, y, z]) => format!("{name} at {x}, {y}, {z}{detail}"),
+        None => format!("{name}, seed {}{detail}", arguments.seed.unwrap_or(0)),
+    }
+}
+
+/// The steps taken so far, with their times.
+#[derive(Default)]
+struct Steps(Vec<Phase>);
+
+impl Steps {
+    fn time<R>(&mut self, name: &str, step: impl FnOnce() -> R) -> R {
+        let start = Instant::now();
+        let result = step();
+        self.note(name.to_owned(), start.elapsed(), None);
+        result
+    }
+
+    fn write(&mut self, output: &Output, list: &DrawList) -> Result<(), Failure> {
+        let start = Instant::now();
+        let bytes = output.write(list)?;
+        self.note(output.path().display().to_string(), start.elapsed(), Some(bytes));
+        Ok(())
+    }
+
+    fn note(&mut self, name: String, time: Duration, bytes: Option<u64>) {
+        info!(step = name, ?time, bytes);
+        self.0.push(Phase { name, time, bytes });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser as _;
+    use sapwood::geom::glam::{Affine3, Vec3};
+
+    use super::*;
+    use crate::arguments::{Arguments, Command};
+
+    fn parsed(line: &str) -> GrowArguments {
+        let line = ["sapwood", "grow"].into_iter().chain(line.split_whitespace());
+        match Arguments::try_parse_from(line).unwrap().command {
+            Command::Grow(arguments) => arguments,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    fn grown(line: &str) -> Result<String, String> {
+        let mut out = Vec::new();
+        run(&parsed(line), &mut out).map_err(|failure| format!("{failure:?}"))?;
+        Ok(String::from_utf8(out).unwrap())
+    }
+
+    /// The table without its times.
+    fn sizes(line: &str) -> String {
+        let table = grown(line).unwrap();
+        table
+            .lines()
+            .take_while(|line| !line.starts_with("read"))
+            .map(|line| format!("{line}\n"))
+            .collect()
+    }
+
+    #[test]
+    fn seeds_and_places_tell_trees_apart() {
+        assert_eq!(sizes("quaking_aspen"), sizes("quaking_aspen --seed 0"));
+        assert_ne!(sizes("quaking_aspen --seed 1"), sizes("quaking_aspen --seed 2"));
+        let near = sizes("quaking_aspen --at -1,2,-3.5");
+        assert!(near.starts_with("Quaking Aspen at -1, 2, -3.5\n"), "{near}");
+        // Another place in the same cell is the same tree.
+        let counts = |table: &str| {
+            table[table.find("stems").unwrap()..table.find("metres").unwrap()].to_owned()
+        };
+        assert_eq!(counts(&near), counts(&sizes("quaking_aspen --at -1.01,2,-3.49")));
+        assert_ne!(counts(&near), counts(&sizes("quaking_aspen --at 4,2,-3.5")));
+    }
+
+    #[test]
+    fn details_share_stems() {
+        let lines = sizes("quaking_aspen --detail skeleton");
+        assert!(lines.starts_with("Quaking Aspen, seed 0, skeleton\n"), "{lines}");
+        assert!(!lines.contains("leaves") && !lines.contains("triangles"), "{lines}");
+        let full = sizes("quaking_aspen --detail full");
+        for row in ["stems, level 0", "stems, level 1", "stems, level 2", "segments"] {
+            let numbers = |table: &str| {
+                let row = table.lines().find(|line| line.starts_with(row)).unwrap();
+                row.split_whitespace().last().unwrap().to_owned()
+            };
+            assert_eq!(numbers(&full), numbers(&lines), "{row}");
+        }
+    }
+
+    #[test]
+    fn levels_are_those_of_the_species() {
+        let trunk = sizes("quaking_aspen --levels 1");
+        assert!(trunk.contains("stems, level 0") && !trunk.contains("stems, level 1"), "{trunk}");
+        assert_eq!(sizes("quaking_aspen --levels 3"), sizes("quaking_aspen"));
+        for wrong in [0, 4, u32::MAX] {
+            let error = grown(&format!("quaking_aspen --levels {wrong}")).unwrap_err();
+            assert!(error.contains("code: 2"), "{error}");
+            assert!(error.contains("has 3 levels of stems (accepted: 1 to 3)"), "{error}");
+        }
+    }
+
+    #[test]
+    fn surfaces_need_full_detail() {
+        let error = grown("quaking_aspen --detail skeleton -o a.svg -o no/b.glb").unwrap_err();
+        assert!(error.contains("code: 2") && error.contains("no/b.glb: a .glb holds"), "{error}");
+    }
+
+    #[test]
+    fn the_budget_is_the_views() {
+        let error = grown("quaking_aspen --max-triangles 1000").unwrap_err();
+        assert!(error.contains("code: 4"), "{error}");
+        let told = "more than 1000 triangles, the limit, which was met in a component of kind";
+        assert!(error.contains(told) && error.contains("--max-triangles"), "{error}");
+        let enough = sizes("quaking_aspen --max-triangles 1000000");
+        assert_eq!(enough, sizes("quaking_aspen"));
+        grown("quaking_aspen --max-triangles 0").unwrap_err();
+        grown("quaking_aspen --max-triangles 0 --detail skeleton").unwrap();
+    }
+
+    #[test]
+    fn a_drawing_beside_a_full_tree_grows_no_stem_again() {
+        let arguments = parsed("quaking_aspen");
+        let species = sapwood::io::find_species("quaking_aspen").unwrap();
+        let mut scene = Scene::new();
+        let root = planted(&mut scene, &species, &arguments).unwrap();
+        compiled(&mut scene, root, &sapwood::standard_rules(), &arguments).unwrap();
+        scene.set_logging(true);
+        let view = scene.open_view(root, &sapwood::skeleton_rules()).unwrap();
+        scene.bounds(view).unwrap();
+        let log = scene.take_log();
+        let compiled = log.iter().filter(|event| event.action == Action::Compiled);
+        for event in compiled {
+            assert!(["stem_surface", "leaves"].contains(&event.kind.name()), "{event:?}");
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_compiled_is_told_with_its_place() {
+        let mut scene = Scene::new();
+        let root = scene.add(Attribute::new());
+        let nowhere = Transform(Affine3::from_translation(Vec3::NAN));
+        scene.add_to(root, nowhere).unwrap();
+        let rules = sapwood::standard_rules();
+        let failure = compiled(&mut scene, root, &rules, &parsed("wheat")).unwrap_err();
+        let shown = format!("{failure:?}");
+        assert!(shown.contains("code: 1"), "{shown}");
+        assert!(shown.contains("transform: the transform is not finite"), "{shown}");
+        assert!(shown.contains("(at /0/0)"), "{shown}");
+    }
+}
