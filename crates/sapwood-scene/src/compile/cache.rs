@@ -12,7 +12,7 @@ use super::find::PlanGroup;
 use crate::NodeId;
 use crate::column::{AnyColumn, Column};
 use crate::log::EventLog;
-use crate::rules::{AnyRule, Read, RuleIdentity, Scope, no_data};
+use crate::rules::{AnyRule, NO_SCOPE, Read, RuleIdentity, Scope, no_data};
 use crate::semantic::{ComponentRow, Storage};
 use crate::slots::SlotKey;
 
@@ -227,7 +227,7 @@ impl Cache {
             links: smallvec::smallvec![PlanLink {
                 target: Target::Authored(root),
                 key: 0,
-                scope: u32::MAX
+                scope: NO_SCOPE
             }],
             scopes: SmallVec::new(),
             parts: Parts::default(),

@@ -32,8 +32,8 @@ impl Pull<'_> {
         }
         self.cache.sites[site.0].is_closed = false;
         let target = self.cache.plan_of(site).links[link as usize].target;
-        let emitted = matches!(target, Target::Emitted(_));
-        let child_env = self.environments().enter(env, site, link, emitted);
+        let facts = self.facts(site, link);
+        let child_env = self.environments().enter(env, site, facts);
         let child = self.child(target, child_env, previous)?;
         match child {
             Ok(child) => {

@@ -10,9 +10,9 @@ use sapwood_graph::{
 use smallvec::SmallVec;
 
 use super::cache::{Cache, Link, Target};
-use crate::rules::Scope;
+use crate::rules::{NO_SCOPE, Scope};
 use crate::semantic::Graph;
-use crate::slots::{Environments, LinkPushes, Pushed, SlotKey, SlotValue};
+use crate::slots::{Environments, LinkFacts, LinkPushes, Pushed, SlotKey, SlotValue};
 use crate::view::View;
 
 /// One view's hold on the compiler while a traversal runs.
@@ -88,10 +88,22 @@ impl<'a> Pull<'a> {
         })
     }
 
-    /// Whether a link leads to a component that came out of a rule.
-    pub(super) fn is_emitted(&self, site: SiteId, link: u32) -> bool {
-        let target = self.cache.plan_of(site).links[link as usize].target;
-        matches!(target, Target::Emitted(_))
+    /// Whether a link pushes nothing and the child's key holds nothing but what the site's own
+    /// key holds: then the child fits wherever the site does.
+    fn inherits(&self, site: SiteId, link: LinkFacts, child: SiteId) -> bool {
+        let mut key = self.cache.sites[site.0].key.iter();
+        let mut child_key = self.cache.sites[child.0].key.iter();
+        !link.pushes
+            && child_key.all(|(slot, value)| {
+                !slot.descends() && key.any(|above| above.0 == *slot && above.1 == *value)
+            })
+    }
+
+    /// What environments need to know of a link.
+    pub(super) fn facts(&self, site: SiteId, number: u32) -> LinkFacts {
+        let link = self.cache.plan_of(site).links[number as usize];
+        let is_emitted = matches!(link.target, Target::Emitted(_));
+        LinkFacts { number, is_emitted, pushes: link.scope != NO_SCOPE }
     }
 
     /// What the rule foresaw of the children of a link.
@@ -137,13 +149,17 @@ impl Supply for Pull<'_> {
                 if reads_nothing && self.is_settled(*child) {
                     return (env, Supplied::Ready(*child));
                 }
-                let emitted = self.is_emitted(site, link);
+                let facts = self.facts(site, link);
+                let inherits = self.inherits(site, facts, *child);
+                if inherits && self.is_settled(*child) {
+                    return (env, Supplied::Ready(*child));
+                }
                 let child_env = {
                     let mut environments =
                         self.environments.lock().unwrap_or_else(|e| e.into_inner());
-                    environments.enter(env, site, link, emitted)
+                    environments.enter(env, site, facts)
                 };
-                if self.fits(*child, child_env) && self.covers(site, link, *child) {
+                if inherits || self.fits(*child, child_env) && self.covers(site, link, *child) {
                     (child_env, Supplied::Ready(*child))
                 } else {
                     (env, Supplied::Unknown)

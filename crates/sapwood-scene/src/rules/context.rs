@@ -16,7 +16,7 @@ use crate::slots::{Placement, ProjectionKey, SlotKey, SlotReader, SlotValue};
 use crate::{Component, Held, NodeId, Projection, Slot};
 
 /// "Below no push" in links and scopes.
-const NO_SCOPE: u32 = u32::MAX;
+pub(crate) const NO_SCOPE: u32 = u32::MAX;
 
 /// What a rule reads from and builds with.
 ///

@@ -7,7 +7,7 @@ mod rule;
 mod rule_set;
 
 pub use context::Context;
-pub(crate) use context::{Draft, DraftTarget, Scope, no_data};
+pub(crate) use context::{Draft, DraftTarget, NO_SCOPE, Scope, no_data};
 pub(crate) use limits::Limits;
 pub use limits::{Budget, CancelToken};
 pub(crate) use reads::{Read, ReadKey};

@@ -22,6 +22,19 @@ pub(crate) struct Above {
     pub(crate) link: u32,
     /// How many emitted components lie between here and the nearest authored one above.
     pub(crate) n_emitted: u32,
+    /// The nearest environment from here upwards whose link pushes something: all below it, down
+    /// to here, give most slots the same value.
+    pushed: EnvId,
+}
+
+/// What environments need to know of a link.
+#[derive(Clone, Copy)]
+pub(crate) struct LinkFacts {
+    pub(crate) number: u32,
+    /// Whether a component that came out of a rule is behind it.
+    pub(crate) is_emitted: bool,
+    /// Whether it sets any slot for what is behind it.
+    pub(crate) pushes: bool,
 }
 
 /// What a link does to the slots of whoever is behind it.
@@ -74,26 +87,39 @@ impl Environments {
     pub(crate) fn clear(&mut self) {
         self.above.clear();
         let nowhere = SiteId(u32::MAX);
-        self.above.push(Above { env: EnvId(ROOT), site: nowhere, link: 0, n_emitted: 0 });
+        let root = EnvId(ROOT);
+        self.above.push(Above { env: root, site: nowhere, link: 0, n_emitted: 0, pushed: root });
         self.values.clear();
         self.values.push(SmallVec::new());
         self.entered.clear();
     }
 
     /// The environment behind `link` of `site`.
-    pub(crate) fn enter(&mut self, env: EnvId, site: SiteId, link: u32, emitted: bool) -> EnvId {
+    pub(crate) fn enter(&mut self, env: EnvId, site: SiteId, link: LinkFacts) -> EnvId {
         let Self { above, values, entered } = self;
-        *entered.entry((env, site, link)).or_insert_with(|| {
-            let n_emitted = if emitted { above[env.0 as usize].n_emitted + 1 } else { 0 };
-            above.push(Above { env, site, link, n_emitted });
+        *entered.entry((env, site, link.number)).or_insert_with(|| {
+            let new = u32::try_from(above.len()).expect("a pass meets fewer than 2^32 places");
+            let Above { n_emitted, pushed, .. } = above[env.0 as usize];
+            above.push(Above {
+                env,
+                site,
+                link: link.number,
+                n_emitted: if link.is_emitted { n_emitted + 1 } else { 0 },
+                pushed: if link.pushes { EnvId(new) } else { pushed },
+            });
             values.push(SmallVec::new());
-            EnvId(u32::try_from(above.len() - 1).expect("a pass meets fewer than 2^32 places"))
+            EnvId(new)
         })
     }
 
     /// How an environment was reached; nothing for the root.
     pub(crate) fn above(&self, env: EnvId) -> Option<Above> {
         (env.0 != ROOT).then(|| self.above[env.0 as usize])
+    }
+
+    /// The environment that stands for `env` where `slot` is asked for.
+    fn pushed(&self, env: EnvId, slot: SlotKey) -> EnvId {
+        if slot.descends() { env } else { self.above[env.0 as usize].pushed }
     }
 
     fn known(&self, env: EnvId, slot: SlotKey) -> Option<&SlotValue> {
@@ -103,7 +129,7 @@ impl Environments {
 
     /// The digest of a slot's value.
     pub(crate) fn digest(&mut self, pushes: &dyn LinkPushes, env: EnvId, slot: SlotKey) -> Digest {
-        match self.known(env, slot) {
+        match self.known(self.pushed(env, slot), slot) {
             Some(value) => value.digest,
             None => self.value(pushes, env, slot).digest,
         }
@@ -118,7 +144,7 @@ impl Environments {
     ) -> SlotValue {
         // Places between here and the nearest known value, with what happens at each.
         let mut passed: smallvec::SmallVec<[(EnvId, Pushed<'_>); 4]> = smallvec::SmallVec::new();
-        let mut at = env;
+        let mut at = self.pushed(env, slot);
         let mut value = loop {
             if let Some(known) = self.known(at, slot) {
                 break known.clone();
@@ -138,7 +164,7 @@ impl Environments {
                 // Whatever is inherited here does not matter.
                 break new;
             }
-            at = above.env;
+            at = self.pushed(above.env, slot);
         };
         // Remembered at every place, so that no stretch of the way up is climbed twice.
         for (place, pushed) in passed.into_iter().rev() {

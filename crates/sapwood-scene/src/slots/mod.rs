@@ -7,7 +7,7 @@ mod reader;
 mod slot;
 
 pub use built_in::{ChildPath, Placement};
-pub(crate) use environment::{Environments, LinkPushes, Pushed};
+pub(crate) use environment::{Environments, LinkFacts, LinkPushes, Pushed};
 pub use projection::Projection;
 pub(crate) use projection::ProjectionKey;
 pub use reader::SlotReader;

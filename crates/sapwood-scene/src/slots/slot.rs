@@ -91,6 +91,8 @@ pub(crate) struct SlotKey {
 
 struct SlotTable {
     name: &'static str,
+    /// A hash of the name: slots are sorted by it, for names take longer to compare.
+    rank: u64,
     default: fn() -> SlotValue,
     merge: Option<fn(&SlotValue, &SlotValue) -> SlotValue>,
     descend: Option<fn(&SlotValue, u64) -> SlotValue>,
@@ -101,6 +103,7 @@ struct TableOf<S>(S);
 impl<S: Slot> TableOf<S> {
     const TABLE: SlotTable = SlotTable {
         name: S::NAME,
+        rank: rank(S::NAME),
         default: || SlotValue::new::<S>(S::default()),
         merge: if S::MERGES {
             Some(|inherited, pushed| {
@@ -167,11 +170,23 @@ impl Hash for SlotKey {
     }
 }
 
-/// By name: the order of type ids changes from build to build.
+/// By name, in an order that is the same in every build, as that of type ids is not.
 impl Ord for SlotKey {
     fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.name().cmp(other.name()).then_with(|| self.id.cmp(&other.id))
+        let by_rank = self.table.rank.cmp(&other.table.rank);
+        by_rank.then_with(|| self.name().cmp(other.name())).then_with(|| self.id.cmp(&other.id))
     }
+}
+
+/// The FNV-1a hash of a name.
+const fn rank(name: &str) -> u64 {
+    let mut hash = 0xcbf2_9ce4_8422_2325;
+    let mut i = 0;
+    while i < name.len() {
+        hash = (hash ^ name.as_bytes()[i] as u64).wrapping_mul(0x100_0000_01b3);
+        i += 1;
+    }
+    hash
 }
 
 impl PartialOrd for SlotKey {
