@@ -1,10 +1,6 @@
 //! The core: scenes, slots, rules, sharing and what runs after an edit.
 
-// mod deep;
-// mod edits;
-// mod errors;
 mod kinds;
-// mod moving;
 mod random_scripts;
 mod sharing;
-// mod walks;
+mod wide;

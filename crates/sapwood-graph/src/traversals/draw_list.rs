@@ -122,11 +122,16 @@ pub fn draw_list(supply: &dyn Supply, max_rows: usize) -> Result<DrawList, TooMa
         seen: FixedMap::with_hasher(fixed_state()),
         looks: Vec::new(),
     };
+    builder.look_at_all(root);
     let mut stack = vec![(root, Affine3::IDENTITY)];
     let mut n_rows = 0;
     while let Some((site, world)) = stack.pop() {
         let look = builder.look(site);
         let look = &builder.looks[look];
+        // What draws nothing is passed over, however often it occurs.
+        if !look.draws {
+            continue;
+        }
         if let Some(body) = look.body {
             let Body { rows, lines, kind } = &builder.list.bodies[body as usize];
             n_rows += rows.len() + lines.len();
@@ -144,6 +149,8 @@ pub fn draw_list(supply: &dyn Supply, max_rows: usize) -> Result<DrawList, TooMa
 struct Look {
     body: Option<u32>,
     below: Vec<(SiteId, Affine3)>,
+    /// Whether there is a body here or anywhere below.
+    draws: bool,
 }
 
 struct Builder<'a> {
@@ -155,6 +162,24 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
+    /// Looks at every authored site once and finds out which of them draw.
+    fn look_at_all(&mut self, root: SiteId) {
+        let mut stack = vec![(root, false)];
+        while let Some((site, is_done)) = stack.pop() {
+            let is_new = !self.seen.contains_key(&site);
+            let look = self.look(site);
+            if is_done {
+                let mut below = self.looks[look].below.iter();
+                let draws = below.any(|(site, _)| self.looks[self.seen[site]].draws);
+                self.looks[look].draws |= draws;
+            } else if is_new {
+                stack.push((site, true));
+                let below = self.looks[look].below.iter().rev();
+                stack.extend(below.map(|(site, _)| (*site, false)));
+            }
+        }
+    }
+
     /// Looks at an authored site and whatever its rule and the rules below it emitted.
     fn look(&mut self, top: SiteId) -> usize {
         if let Some(look) = self.seen.get(&top) {
@@ -209,7 +234,7 @@ impl Builder<'_> {
             self.list.bodies.push(body);
             self.list.bodies.len() as u32 - 1
         });
-        self.looks.push(Look { body, below });
+        self.looks.push(Look { body, below, draws: body.is_some() });
         let look = self.looks.len() - 1;
         self.seen.insert(top, look);
         look

@@ -4,38 +4,96 @@
 //! shared is written out at every place, so that the text tells what is there and not how it
 //! happens to be stored.
 
+use std::cell::Cell;
 use std::fmt::Write as _;
 
 use sapwood_geom::glam::{Affine3, Vec3};
+use sapwood_geom::{FixedMap, fixed_state};
 
-use crate::{At, Everything, Order, RenderNode, Supply, walk};
+use crate::{Approach, At, Interest, Order, RenderNode, SiteId, Supplied, Supply, walk};
 
 /// Everything below the root as text, at most `max_lines` lines and a note where more is left.
+///
+/// Costs each site once and the lines that are written, however often the rest occurs.
 pub fn dump(supply: &dyn Supply, max_lines: usize) -> String {
     let mut text = String::new();
     let mut n_lines = 0;
     let (_, root) = supply.root();
-    walk(supply, Order::Pre, &Everything, &mut |at| {
+    let interest = UpTo { is_full: Cell::new(false) };
+    walk(supply, Order::Pre, &interest, &mut |at| {
         // The root is a place to hold the view's component; it and its one deferred node are
         // not part of the picture.
-        if at.site() == root {
+        if at.site() == root || interest.is_full.get() {
             return;
         }
         if let Some(line) = line(at) {
-            n_lines += 1;
-            if n_lines <= max_lines {
-                for _ in 2..at.depth() {
-                    text.push_str("  ");
-                }
-                text.push_str(&line);
-                text.push('\n');
+            if n_lines == max_lines {
+                interest.is_full.set(true);
+                return;
             }
+            n_lines += 1;
+            for _ in 2..at.depth() {
+                text.push_str("  ");
+            }
+            text.push_str(&line);
+            text.push('\n');
         }
     });
-    if n_lines > max_lines {
-        let _ = writeln!(text, "... {} lines more", n_lines - max_lines);
+    if interest.is_full.get() {
+        let _ = writeln!(text, "... {} lines more", n_all_lines(supply) - n_lines as u64);
     }
     text
+}
+
+/// The interest in everything until enough was written.
+struct UpTo {
+    is_full: Cell<bool>,
+}
+
+impl Interest for UpTo {
+    type State = ();
+
+    fn start(&self) {}
+
+    fn enter(&self, (): &(), _: &Approach<'_>) -> Option<()> {
+        (!self.is_full.get()).then_some(())
+    }
+}
+
+/// How many lines the whole text would have; saturates.
+fn n_all_lines(supply: &dyn Supply) -> u64 {
+    let (env, root) = supply.root();
+    let mut known: FixedMap<SiteId, u64> = FixedMap::with_hasher(fixed_state());
+    let mut stack = vec![(root, false)];
+    while let Some((site, is_done)) = stack.pop() {
+        if !is_done && known.contains_key(&site) {
+            continue;
+        }
+        let fragment = supply.plan(site).fragment;
+        let mut n_lines = 0u64;
+        if !is_done {
+            stack.push((site, true));
+        }
+        for index in 0..fragment.len() {
+            let RenderNode::Deferred(run) = fragment.node(index) else {
+                n_lines = n_lines.saturating_add(1);
+                continue;
+            };
+            for link in run.first..run.first + run.count {
+                if let (_, Supplied::Ready(child)) = supply.enter(env, site, link) {
+                    match known.get(&child) {
+                        Some(below) => n_lines = n_lines.saturating_add(*below),
+                        None => stack.push((child, false)),
+                    }
+                }
+            }
+        }
+        if is_done {
+            known.insert(site, n_lines);
+        }
+    }
+    // The root itself has a line for none of its nodes but counts one.
+    known.get(&root).map_or(0, |n_lines| n_lines.saturating_sub(1))
 }
 
 fn line<S>(at: &At<'_, S>) -> Option<String> {
