@@ -5,8 +5,8 @@
 
 use sapwood_geom::{Bound, FixedMap, fixed_state};
 use sapwood_graph::{
-    At, Counts, Diagnostic, DrawList, Everything, Interest, Kind, Order, Provide, SiteId, Supply,
-    count, diagnostics, discover, draw_list, dump, traverse,
+    At, Counts, Diagnostic, DrawList, Everything, Interest, Interrupted, Kind, Order, Provide,
+    SiteId, Supply, count, diagnostics, discover, draw_list, dump, walk,
 };
 
 use crate::column::Column;
@@ -19,6 +19,9 @@ use crate::{
     Attribute, Budget, CancelToken, Component, EditError, Handle, Held, Moving, NodeId, RuleSet,
     Slot, ViewError, ViewId,
 };
+
+/// How often a traversal begins again after room was made for it.
+const MOST_ATTEMPTS: usize = 64;
 
 /// A semantic graph, the views that look at it, and everything compiled for them.
 pub struct Scene {
@@ -333,7 +336,13 @@ impl Scene {
     /// # Errors
     /// When the view is closed.
     pub fn set_budget(&mut self, view: ViewId, budget: Budget) -> Result<(), ViewError> {
-        self.view_mut(view)?.budget = budget;
+        let revision = self.graph.next_revision();
+        let view = self.view_mut(view)?;
+        if view.budget.emitted_depth != budget.emitted_depth {
+            // What failed for its depth, or did not, is looked at again.
+            view.rules_since = revision;
+        }
+        view.budget = budget;
         Ok(())
     }
 
@@ -381,10 +390,29 @@ impl Scene {
         interest: &I,
         visitor: &mut dyn FnMut(&At<'_, I::State>),
     ) -> Result<(), ViewError> {
-        let mut pull = self.pull(view)?;
-        let outcome = traverse(&mut pull, order, interest, visitor);
+        self.discover(view, interest)?;
+        walk(&self.pull(view)?, order, interest, visitor);
         self.evict_if_bloated(view);
-        Ok(outcome?)
+        Ok(())
+    }
+
+    /// Compiles what `interest` asks for. Where a budget runs out, what no view shows any more
+    /// makes room, as long as there is any.
+    fn discover<I: Interest>(&mut self, view: ViewId, interest: &I) -> Result<(), ViewError> {
+        for _ in 0..MOST_ATTEMPTS {
+            match discover(&mut self.pull(view)?, interest) {
+                Err(Interrupted::Exhausted { .. }) if self.make_room() => {}
+                outcome => return Ok(outcome?),
+            }
+        }
+        Ok(discover(&mut self.pull(view)?, interest)?)
+    }
+
+    /// Throws away what no view shows, and tells whether that left more of any budget.
+    fn make_room(&mut self) -> bool {
+        let before = (self.cache.triangles, self.cache.n_parts);
+        self.evict();
+        before != (self.cache.triangles, self.cache.n_parts)
     }
 
     /// Compiles everything and reads the result.
@@ -393,11 +421,10 @@ impl Scene {
         view: ViewId,
         read: impl FnOnce(&mut Pull<'_>) -> R,
     ) -> Result<R, ViewError> {
-        let mut pull = self.pull(view)?;
-        let outcome = discover(&mut pull, &Everything);
-        let result = outcome.map(|()| read(&mut pull));
+        self.discover(view, &Everything)?;
+        let result = read(&mut self.pull(view)?);
         self.evict_if_bloated(view);
-        Ok(result?)
+        Ok(result)
     }
 
     /// The bound of everything in a view, in the root's frame. O(1) when nothing has changed.

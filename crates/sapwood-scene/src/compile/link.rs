@@ -51,6 +51,17 @@ impl Pull<'_> {
         Ok(())
     }
 
+    /// Empties links that were about to be filled anew: what they led to may make room.
+    pub(super) fn let_go(&mut self, wants: &[Want]) {
+        for want in wants {
+            let link = &mut self.cache.sites[want.site.0].links[want.link as usize];
+            if let Link::Site(_) = link {
+                *link = Link::Unfilled;
+                self.cache.sites[want.site.0].is_closed = false;
+            }
+        }
+    }
+
     /// The site of a component in an environment, or why there is none.
     fn child(
         &mut self,

@@ -4,7 +4,7 @@ use sapwood_graph::Interrupted;
 
 use super::cache::{Emitted, Plan, PlanLink, Target};
 use super::pull::Pull;
-use crate::rules::{Draft, DraftTarget};
+use crate::rules::{Draft, DraftTarget, Read};
 use crate::semantic::AnyComponent;
 use sapwood_geom::Digest;
 
@@ -43,7 +43,11 @@ impl Pull<'_> {
         let links = links.collect();
         let mut reads = tables.reads;
         // One order for one set, in whatever order the rule happened to ask.
-        reads.sort_by(|a, b| a.key.name().cmp(b.key.name()));
+        let digest = |read: &Read| Digest::of(&read.key);
+        reads.sort_by(|a, b| {
+            let names = a.key.name().cmp(b.key.name());
+            names.then_with(|| digest(a).cmp(&digest(b)))
+        });
         let column = &mut self.cache.rules[rule as usize].data;
         let data = data.map(|data| column.insert_boxed(data));
         self.cache.triangles += fragment.n_triangles();

@@ -180,8 +180,13 @@ impl Supply for Pull<'_> {
 
 impl Provide for Pull<'_> {
     fn provide(&mut self, wants: &[Want]) -> Result<(), Interrupted> {
-        for want in wants {
-            self.fill(*want)?;
+        for (i, want) in wants.iter().enumerate() {
+            if let Err(why) = self.fill(*want) {
+                if let Interrupted::Exhausted { .. } = why {
+                    self.let_go(&wants[i..]);
+                }
+                return Err(why);
+            }
         }
         Ok(())
     }
