@@ -1,7 +1,13 @@
 //! The core: scenes, slots, rules, sharing and what runs after an edit.
 
+mod deep;
+mod edits;
 mod errors;
 mod kinds;
+mod moving;
+mod projections;
 mod random_scripts;
 mod sharing;
+mod views;
+mod walks;
 mod wide;
