@@ -24,10 +24,15 @@ pub(crate) enum Attraction {
     Point(Vec3, f32),
 }
 
+/// Whether stems of this level are attracted at all: those of levels 0 and 1 are not.
+pub(crate) fn is_attracted(level: u8) -> bool {
+    level >= 2
+}
+
 impl Attraction {
-    /// The attraction of a stem of this level with so many segments; levels 0 and 1 have none.
+    /// The attraction of a stem of this level with so many segments.
     pub(crate) fn new(crown: &Crown, target: &Target, level: u8, curve_res: u32) -> Self {
-        if level < 2 {
+        if !is_attracted(level) {
             return Self::None;
         }
         let strength = crown.attraction_up / curve_res as f32;

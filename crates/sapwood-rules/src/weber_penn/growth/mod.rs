@@ -17,6 +17,7 @@ mod taper;
 mod trunks;
 mod variation;
 
+pub(super) use attraction::is_attracted;
 pub use children::children;
 #[cfg(test)]
 pub(super) use children::n_children;

@@ -8,6 +8,7 @@ use sapwood_geom::{Content, Digest, Digester, Shared, StreamPath};
 use sapwood_graph::{Interrupted, Named};
 use sapwood_scene::{ChildPath, Context, Placement, Projection, Rule, RuleError, SlotReader};
 
+use super::super::growth::is_attracted;
 use super::super::slots::{
     CrownSlot, LeafTargetSlot, LeavesSlot, LevelSlot, StemTargetSlot, TrunkFormSlot,
 };
@@ -219,7 +220,9 @@ fn grown(
 ) -> Result<Shared<Stems>, RuleError> {
     let Some(first) = seeds.first() else { return Ok(Shared::new(Stems::default())) };
     let crown: Arc<Crown> = cx.read::<CrownSlot>();
-    let target = cx.read::<StemTargetSlot>();
+    // A tree that is turned must not regrow the stems that no target attracts.
+    let target =
+        if is_attracted(first.level) { cx.read::<StemTargetSlot>() } else { Arc::new(Target::Up) };
     let level = level(cx, usize::from(first.level));
     let stems = grow(seeds, &crown, &level, &target, &mut charging(cx))?;
     // The stems follow from these alone, so there is no need to read all segments again for
