@@ -1,0 +1,157 @@
+//! What is compiled: cold, for a second view, and after an edit of each kind of parameter.
+
+use sapwood::graph::Material;
+use sapwood::rules::weber_penn::{BarkSlot, Detail, DetailSlot, FoliageSlot, Seed};
+
+use super::trees::*;
+
+/// What an aspen of 50 limbs compiles to, leaving out what is above the tree.
+const ASPEN: [(&str, usize); 6] = [
+    ("branch", 51),
+    ("children", 51),
+    ("leaves", 50),
+    ("stem_surface", 101),
+    ("tree", 1),
+    ("twigs", 50),
+];
+
+#[test]
+fn an_aspen_is_compiled_branch_by_branch() {
+    let mut aspen = planted(&built_in("quaking_aspen"), 1);
+    let mut expected = vec![("attribute", 1)];
+    expected.extend(ASPEN);
+    assert_eq!(aspen.compiled(), expected);
+    let counts = aspen.scene.count(aspen.view).unwrap();
+    for (kind, n) in expected {
+        assert_eq!(counts.components_of(kind), n as u64, "{kind}");
+    }
+    assert_eq!(aspen.compiled(), []);
+}
+
+#[test]
+fn a_skeleton_of_a_grown_tree_compiles_geometry_only() {
+    let mut aspen = grown(&built_in("quaking_aspen"), 1);
+    let skeleton = aspen.scene.open_view(aspen.family, &sapwood::skeleton_rules()).unwrap();
+    assert_eq!(compiled(&mut aspen.scene, skeleton), [("leaves", 50), ("stem_surface", 101)]);
+    let lines = aspen.scene.draw_list(skeleton, 1_000_000).unwrap();
+    let n_lines: usize = lines.placed_lines().map(|(_, row)| row.lines.len()).sum();
+    let stems: usize = aspen.parts().stems.iter().map(Vec::len).sum();
+    assert_eq!((n_lines, lines.placed_rows().count()), (stems, 0));
+    let second = aspen.scene.open_view(aspen.family, &sapwood::skeleton_rules()).unwrap();
+    assert_eq!(compiled(&mut aspen.scene, second), []);
+}
+
+#[test]
+fn a_second_view_of_a_grown_tree_compiles_nothing() {
+    let mut aspen = grown(&built_in("quaking_aspen"), 1);
+    let first = digest(&aspen.draw_list());
+    let second = aspen.scene.open_view(aspen.family, &sapwood::standard_rules()).unwrap();
+    assert_eq!(compiled(&mut aspen.scene, second), []);
+    assert_eq!(digest(&aspen.scene.draw_list(second, 1_000_000).unwrap()), first);
+}
+
+#[test]
+fn an_edit_of_level_2_leaves_trunk_and_limbs_alone() {
+    let aspen = built_in("quaking_aspen");
+    for (key, value) in [("level.2.curve", -10.0), ("level.2.length", 0.5), ("level.2.taper", 1.5)]
+    {
+        let mut tree = grown(&aspen, 1);
+        let before = tree.parts();
+        tree.set(&with(&aspen, &[(key, value)]));
+        let expected = [
+            ("attribute", 1),
+            ("children", 50),
+            ("leaves", 50),
+            ("stem_surface", 50),
+            ("twigs", 50),
+        ];
+        assert_eq!(tree.compiled(), expected, "{key}");
+        let after = tree.parts();
+        assert!(before.stems[..2] == after.stems[..2], "{key}");
+        assert!(before.segments[..2] == after.segments[..2], "{key}");
+        assert!(before.segments[2] != after.segments[2], "{key}");
+        tree.set(&aspen);
+        assert_eq!(tree.compiled(), [("attribute", 1)], "the plans of before are still there");
+    }
+}
+
+#[test]
+fn an_edit_of_level_2_leaves_the_limbs_of_a_deep_tree_alone() {
+    let tupelo = built_in("black_tupelo");
+    let mut tree = grown(&tupelo, 3);
+    let before = tree.parts();
+    tree.set(&with(&tupelo, &[("level.2.curve_v", 90.0)]));
+    let compiled = tree.compiled();
+    let count = |kind| compiled.iter().find(|(name, _)| *name == kind).map_or(0, |(_, n)| *n);
+    let n_twigs = before.stems[2].len();
+    assert_eq!(count("branch"), n_twigs);
+    assert_eq!((count("tree"), count("twigs")), (0, count("leaves")));
+    // The limbs' own children and those of each branch on them.
+    assert_eq!(count("children"), before.stems[1].len() + n_twigs);
+    assert_eq!(count("stem_surface"), n_twigs + count("twigs"));
+    let after = tree.parts();
+    assert!(before.stems[..2] == after.stems[..2] && before.segments[..2] == after.segments[..2]);
+    assert!(before.segments[2] != after.segments[2] && before.segments[3] != after.segments[3]);
+}
+
+#[test]
+fn an_edit_of_the_leaves_compiles_leaves_only() {
+    let aspen = built_in("quaking_aspen");
+    for (key, value) in [
+        ("leaves.scale", 0.2),
+        ("leaves.count", 10.0),
+        ("leaves.bend", 0.9),
+        ("leaves.quality", 0.5),
+        ("level.3.down_angle", 80.0),
+        ("level.3.rotate_v", 10.0),
+    ] {
+        let mut tree = grown(&aspen, 1);
+        tree.set(&with(&aspen, &[(key, value)]));
+        assert_eq!(tree.compiled(), [("attribute", 1), ("leaves", 50)], "{key}");
+    }
+}
+
+#[test]
+fn what_nothing_reads_compiles_nothing() {
+    let aspen = built_in("quaking_aspen");
+    let mut tree = grown(&aspen, 1);
+    for (key, value) in [("smooth", 0.9), ("level.3.curve", 30.0), ("level.3.branches", 99.0)] {
+        tree.set(&with(&aspen, &[(key, value)]));
+        assert_eq!(tree.compiled(), [("attribute", 1)], "{key}");
+    }
+}
+
+#[test]
+fn an_edit_of_the_flare_compiles_the_trunks_surface_only() {
+    let aspen = built_in("quaking_aspen");
+    let mut tree = grown(&aspen, 1);
+    tree.set(&with(&aspen, &[("flare", 0.3), ("lobe_depth", 0.2)]));
+    // The children of the trunk are no thicker than the trunk, so they are asked again; the flare
+    // ends below the first of them, and all of them stay.
+    assert_eq!(tree.compiled(), [("attribute", 1), ("children", 1), ("stem_surface", 1)]);
+}
+
+#[test]
+fn an_edit_of_the_bark_compiles_surfaces_only() {
+    let mut tree = grown(&built_in("quaking_aspen"), 1);
+    tree.scene.push::<BarkSlot>(tree.family, Material::matte("pale", 0.7, 0.7, 0.6)).unwrap();
+    assert_eq!(tree.compiled(), [("attribute", 1), ("stem_surface", 101)]);
+    tree.scene.push::<FoliageSlot>(tree.family, Material::matte("gold", 0.6, 0.4, 0.0)).unwrap();
+    assert_eq!(tree.compiled(), [("attribute", 1), ("leaves", 50)]);
+    let detail = Detail { ..Detail::default() };
+    tree.scene.push::<DetailSlot>(tree.family, detail).unwrap();
+    assert_eq!(tree.compiled(), [("attribute", 1)], "the detail is what it was by default");
+}
+
+#[test]
+fn another_seed_grows_another_tree_and_the_first_comes_back_from_the_cache() {
+    let mut tree = grown(&sapling(), 1);
+    let first = digest(&tree.draw_list());
+    tree.scene.edit(tree.tree, |tree| tree.seed = Seed::Explicit(2)).unwrap();
+    let n_compiled: usize = tree.compiled().iter().map(|(_, n)| n).sum();
+    assert!(n_compiled > 20, "{n_compiled}");
+    assert_ne!(digest(&tree.draw_list()), first);
+    tree.scene.edit(tree.tree, |tree| tree.seed = Seed::Explicit(1)).unwrap();
+    assert_eq!(tree.compiled(), [("tree", 1)]);
+    assert_eq!(digest(&tree.draw_list()), first);
+}

@@ -1,0 +1,11 @@
+//! Trees as scenes: what runs after which edit, seeds, targets, every built-in species, and
+//! snapshots. The formulas themselves are tested beside the generator.
+
+mod compiles;
+mod counts;
+mod extremes;
+mod seeds;
+mod snapshots;
+mod species;
+mod targets;
+mod trees;
