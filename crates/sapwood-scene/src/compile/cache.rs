@@ -8,7 +8,7 @@ use sapwood_geom::{Bound, Digest, Digester, FixedMap, fixed_state};
 use sapwood_graph::{CountMemo, Diagnostic, Fragment, FragmentBuilder, Kind, Named, Parts, SiteId};
 use smallvec::SmallVec;
 
-use super::find::PlanGroup;
+use super::plan_group::PlanGroup;
 use crate::NodeId;
 use crate::column::{AnyColumn, Column};
 use crate::log::EventLog;

@@ -11,6 +11,7 @@ mod evict;
 mod find;
 mod init;
 mod link;
+mod plan_group;
 mod publish;
 mod pull;
 mod resolve;

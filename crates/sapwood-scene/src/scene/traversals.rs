@@ -1,0 +1,139 @@
+//! Traversals of views. Each compiles what it needs first.
+
+use sapwood_geom::Bound;
+use sapwood_graph::{
+    At, Counts, Diagnostic, DrawList, Everything, Interest, Interrupted, Order, Provide, Supply,
+    count, diagnostics, discover, draw_list, dump, walk,
+};
+
+use super::Scene;
+use crate::compile::Pull;
+use crate::{ViewError, ViewId};
+
+/// How often a traversal begins again after room was made for it.
+const MOST_ATTEMPTS: usize = 64;
+
+/// Traversals. Each compiles what it needs first.
+impl Scene {
+    /// The view's side of the opening between scene and walks, for foreign traversals.
+    ///
+    /// # Errors
+    /// When the view is closed.
+    pub fn supply(&mut self, view: ViewId) -> Result<impl Provide + '_, ViewError> {
+        self.pull(view)
+    }
+
+    fn pull(&mut self, view: ViewId) -> Result<Pull<'_>, ViewError> {
+        let row = self.views.get_mut(view.0).ok_or(ViewError::Closed)?;
+        self.graph.pull();
+        Ok(Pull::new(
+            &self.graph,
+            &mut self.cache,
+            row,
+            view.0,
+            #[cfg(feature = "planted-faults")]
+            self.drops_reads,
+        ))
+    }
+
+    /// Compiles what `interest` asks for, walks over it in `order` and calls `visitor` for each
+    /// node.
+    ///
+    /// # Errors
+    /// When the view is closed, or compiling was interrupted; nothing is walked then.
+    pub fn traverse<I: Interest>(
+        &mut self,
+        view: ViewId,
+        order: Order,
+        interest: &I,
+        visitor: &mut dyn FnMut(&At<'_, I::State>),
+    ) -> Result<(), ViewError> {
+        self.discover(view, interest)?;
+        walk(&self.pull(view)?, order, interest, visitor);
+        self.evict_if_bloated(view);
+        Ok(())
+    }
+
+    /// Compiles what `interest` asks for. Where a budget runs out, what no view shows any more
+    /// makes room, as long as there is any.
+    fn discover<I: Interest>(&mut self, view: ViewId, interest: &I) -> Result<(), ViewError> {
+        for _ in 0..MOST_ATTEMPTS {
+            match discover(&mut self.pull(view)?, interest) {
+                Err(Interrupted::Exhausted { .. }) if self.make_room() => {}
+                outcome => return Ok(outcome?),
+            }
+        }
+        Ok(discover(&mut self.pull(view)?, interest)?)
+    }
+
+    /// Throws away what no view shows, and tells whether that left more of any budget.
+    fn make_room(&mut self) -> bool {
+        let before = (self.cache.triangles, self.cache.n_parts);
+        self.evict();
+        before != (self.cache.triangles, self.cache.n_parts)
+    }
+
+    /// Compiles everything and reads the result.
+    fn complete<R>(
+        &mut self,
+        view: ViewId,
+        read: impl FnOnce(&mut Pull<'_>) -> R,
+    ) -> Result<R, ViewError> {
+        self.discover(view, &Everything)?;
+        let result = read(&mut self.pull(view)?);
+        self.evict_if_bloated(view);
+        Ok(result)
+    }
+
+    /// The bound of everything in a view, in the root's frame. O(1) when nothing has changed.
+    ///
+    /// # Errors
+    /// When the view is closed, or compiling was interrupted.
+    pub fn bounds(&mut self, view: ViewId) -> Result<Bound, ViewError> {
+        self.complete(view, |pull| {
+            let (_, root) = pull.root();
+            pull.bound(root).copied().unwrap_or(Bound::EMPTY)
+        })
+    }
+
+    /// How many components and parts of each kind a view shows, every occurrence counted.
+    ///
+    /// # Errors
+    /// When the view is closed, or compiling was interrupted.
+    pub fn count(&mut self, view: ViewId) -> Result<Counts, ViewError> {
+        self.complete(view, |pull| {
+            let mut memo = pull.take_counts();
+            let counts = count(&*pull, &mut memo);
+            pull.give_counts(memo);
+            counts
+        })
+    }
+
+    /// What a view draws, in at most `max_rows` rows.
+    ///
+    /// # Errors
+    /// When the view is closed, compiling was interrupted, or there are more rows.
+    pub fn draw_list(&mut self, view: ViewId, max_rows: usize) -> Result<DrawList, ViewError> {
+        Ok(self.complete(view, |pull| draw_list(&*pull, max_rows))??)
+    }
+
+    /// What a view compiled to, as stable text of at most `max_lines` lines.
+    ///
+    /// # Errors
+    /// When the view is closed, or compiling was interrupted.
+    pub fn dump(&mut self, view: ViewId, max_lines: usize) -> Result<String, ViewError> {
+        self.complete(view, |pull| dump(&*pull, max_lines))
+    }
+
+    /// What could not be compiled, each with the links that lead there; at most `limit`.
+    ///
+    /// # Errors
+    /// When the view is closed, or compiling was interrupted.
+    pub fn diagnostics(
+        &mut self,
+        view: ViewId,
+        limit: usize,
+    ) -> Result<Vec<(Vec<u32>, Diagnostic)>, ViewError> {
+        self.complete(view, |pull| diagnostics(&*pull, limit))
+    }
+}

@@ -1,0 +1,130 @@
+//! Opening views, and setting what they look with.
+
+use sapwood_geom::{FixedMap, fixed_state};
+use sapwood_graph::SiteId;
+
+use super::Scene;
+use crate::slots::{SlotKey, SlotValue};
+use crate::view::View;
+use crate::{
+    Budget, CancelToken, EditError, Held, Moving, NodeId, RuleSet, Slot, ViewError, ViewId,
+};
+
+/// Views.
+impl Scene {
+    /// Opens a view of everything below `root` under a rule set.
+    ///
+    /// # Errors
+    /// When the root is gone.
+    pub fn open_view(
+        &mut self,
+        root: impl Into<NodeId>,
+        rules: &RuleSet,
+    ) -> Result<ViewId, EditError> {
+        let root = root.into();
+        let kind = self.graph.kind(root)?;
+        let number = self.views.insert(View {
+            root,
+            rules: rules.clone(),
+            authored_rules: Vec::new(),
+            emitted_rules: Vec::new(),
+            rules_since: 0,
+            values_since: 0,
+            held: FixedMap::with_hasher(fixed_state()),
+            moving: FixedMap::with_hasher(fixed_state()),
+            moving_defaults: FixedMap::with_hasher(fixed_state()).into(),
+            tick: 0,
+            visited_tick: 0,
+            root_site: SiteId(u32::MAX),
+            budget: Budget::default(),
+            cancel: CancelToken::default(),
+        });
+        self.views[number].root_site = self.cache.add_root_site(number, root, kind);
+        Ok(ViewId(number))
+    }
+
+    /// Closes a view; what only it showed is thrown away.
+    ///
+    /// # Errors
+    /// When the view is closed already.
+    pub fn close_view(&mut self, view: ViewId) -> Result<(), ViewError> {
+        self.views.remove(view.0).ok_or(ViewError::Closed)?;
+        self.evict();
+        Ok(())
+    }
+
+    fn view_mut(&mut self, view: ViewId) -> Result<&mut View, ViewError> {
+        self.views.get_mut(view.0).ok_or(ViewError::Closed)
+    }
+
+    /// Replaces the rules of a view. What other rules now serve is compiled again when a
+    /// traversal reaches it; plans of equal rules stay.
+    ///
+    /// # Errors
+    /// When the view is closed.
+    pub fn set_rules(&mut self, view: ViewId, rules: &RuleSet) -> Result<(), ViewError> {
+        let revision = self.graph.next_revision();
+        let view = self.view_mut(view)?;
+        view.rules = rules.clone();
+        view.authored_rules.clear();
+        view.emitted_rules.clear();
+        view.rules_since = revision;
+        Ok(())
+    }
+
+    /// Sets a held slot above the root of a view.
+    ///
+    /// # Errors
+    /// When the view is closed.
+    pub fn set_held<S: Slot<Rate = Held>>(
+        &mut self,
+        view: ViewId,
+        value: S::Value,
+    ) -> Result<(), ViewError> {
+        let revision = self.graph.next_revision();
+        let view = self.view_mut(view)?;
+        view.held.insert(SlotKey::of::<S>().type_id(), SlotValue::new::<S>(value));
+        view.values_since = revision;
+        let root_site = view.root_site;
+        self.cache.sites[root_site.0].key.clear();
+        Ok(())
+    }
+
+    /// Sets a moving slot of a view; runs no `init`.
+    ///
+    /// # Errors
+    /// When the view is closed.
+    pub fn set_moving<S: Slot<Rate = Moving>>(
+        &mut self,
+        view: ViewId,
+        value: S::Value,
+    ) -> Result<(), ViewError> {
+        let view = self.view_mut(view)?;
+        view.moving.insert(SlotKey::of::<S>().type_id(), SlotValue::new::<S>(value));
+        view.tick += 1;
+        Ok(())
+    }
+
+    /// Sets how much may be compiled for a view.
+    ///
+    /// # Errors
+    /// When the view is closed.
+    pub fn set_budget(&mut self, view: ViewId, budget: Budget) -> Result<(), ViewError> {
+        let revision = self.graph.next_revision();
+        let view = self.view_mut(view)?;
+        if view.budget.emitted_depth != budget.emitted_depth {
+            // What failed for its depth, or did not, is looked at again.
+            view.rules_since = revision;
+        }
+        view.budget = budget;
+        Ok(())
+    }
+
+    /// The token by which any thread can stop compiling for a view.
+    ///
+    /// # Errors
+    /// When the view is closed.
+    pub fn cancel_token(&self, view: ViewId) -> Result<CancelToken, ViewError> {
+        Ok(self.views.get(view.0).ok_or(ViewError::Closed)?.cancel.clone())
+    }
+}
