@@ -192,6 +192,22 @@ fn an_exhausted_budget_is_told_and_not_remembered() {
 }
 
 #[test]
+fn a_budget_of_plans_ends_what_multiplies() {
+    let mut scene = checked_scene();
+    let root = scene.add(Group);
+    let view = scene.open_view(root, &rules()).unwrap();
+    let budget = Budget { plans: 20, ..Budget::default() };
+    scene.set_budget(view, budget).unwrap();
+    for n in 0..30 {
+        scene.add_to(root, Plain { size: n as f32 }).unwrap();
+    }
+    let why = Interrupted::Exhausted { what: "plans", limit: 20, component: "plain" };
+    assert_eq!(scene.bounds(view), Err(ViewError::Interrupted(why)));
+    scene.set_budget(view, Budget { plans: 40, ..budget }).unwrap();
+    assert_eq!(scene.bounds(view).unwrap().aabb.max.x, 29.0);
+}
+
+#[test]
 fn what_nothing_shows_any_more_makes_room_in_the_budget() {
     let mut scene = checked_scene();
     let root = scene.add(Group);

@@ -19,6 +19,7 @@ impl Pull<'_> {
             budget: self.view.budget,
             triangles: self.cache.triangles,
             n_parts: self.cache.n_parts,
+            n_plans: self.cache.plans.len() as u64,
             #[cfg(feature = "planted-faults")]
             drops_reads: self.drops_reads,
         }
@@ -55,7 +56,7 @@ impl Pull<'_> {
         let component = component.expect("wants lead to components that exist");
         let known = &cache.rules[rule as usize].rule;
         match catch_unwind(AssertUnwindSafe(|| known.init(component, &mut cx))) {
-            Ok(Ok(data)) => Ok(cx.into_draft(data)),
+            Ok(Ok(data)) => cx.into_draft(data),
             Ok(Err(RuleError::Interrupted(why))) => Err(why),
             Ok(Err(RuleError::Failed(message))) => Ok(cx.into_error(message)),
             Err(panic) => {

@@ -21,6 +21,7 @@ impl Pull<'_> {
         let limits = self.limits();
         limits.check_triangles(draft.fragment.n_triangles(), component)?;
         limits.check_parts(draft.tables.parts.len() as u64, component)?;
+        limits.check_plans(1, component)?;
         self.publish_unlimited(target, rule, revision, draft)
     }
 

@@ -30,6 +30,9 @@ pub struct Context<'a> {
     component: Kind,
     triangles: u64,
     n_parts: u64,
+    n_emitted: u64,
+    /// Set when more was emitted than may be compiled; the rest is not stored.
+    exhausted: Option<Interrupted>,
     scope: u32,
     fragment: FragmentBuilder,
     draft: DraftTables,
@@ -97,6 +100,8 @@ impl<'a> Context<'a> {
             component,
             triangles: 0,
             n_parts: 0,
+            n_emitted: 0,
+            exhausted: None,
             scope: NO_SCOPE,
             fragment: FragmentBuilder::new(),
             draft: DraftTables::default(),
@@ -111,10 +116,14 @@ impl<'a> Context<'a> {
         Draft { fragment: Fragment::empty(), tables, data: None, slots, error }
     }
 
-    pub(crate) fn into_draft(self, data: Box<dyn Any + Send + Sync>) -> Draft {
+    /// The draft of what the rule made.
+    pub(crate) fn into_draft(self, data: Box<dyn Any + Send + Sync>) -> Result<Draft, Interrupted> {
+        if let Some(why) = self.exhausted {
+            return Err(why);
+        }
         let slots = self.slots.into_slots();
         let fragment = self.fragment.finish();
-        Draft { fragment, tables: self.draft, data: Some(data), slots, error: None }
+        Ok(Draft { fragment, tables: self.draft, data: Some(data), slots, error: None })
     }
 
     /// The value of a held slot at this place. The plan is used again wherever the value is the
@@ -178,6 +187,11 @@ impl<'a> Context<'a> {
     /// Adds a component under a key of the rule's choosing, with a bound in its own frame if
     /// the rule can tell one without compiling it.
     pub fn emit_keyed<C: Component>(&mut self, key: u64, component: C, foreseen: Option<Bound>) {
+        self.n_emitted += 1;
+        if let Err(why) = self.limits.check_plans(self.n_emitted, self.component.name()) {
+            self.exhausted = Some(why);
+            return;
+        }
         self.fragment.deferred(Kind::of::<C>(), foreseen);
         let target = DraftTarget::Emitted(Digest::of(&component), Box::new(component));
         self.draft.links.push(DraftLink { target, key, scope: self.scope });

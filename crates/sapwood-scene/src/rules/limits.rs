@@ -33,6 +33,9 @@ pub struct Budget {
     pub triangles: u64,
     /// Parts in all plans together.
     pub parts: u64,
+    /// Plans altogether: components that are compiled, each counted once however often it
+    /// occurs, and again for each way in which what it reads differs.
+    pub plans: u64,
     /// Plans, and as many sites, that are kept although nothing shows them at the moment; past
     /// this they are discarded.
     pub spare_plans: usize,
@@ -41,9 +44,16 @@ pub struct Budget {
 }
 
 impl Default for Budget {
-    /// 50 million triangles, 20 million parts, 65,536 spare plans, 1,024 emitted components above each other.
+    /// 50 million triangles, 20 million parts, 3 million plans, of which 65,536 spare, and 1,024
+    /// emitted components above each other.
     fn default() -> Self {
-        Self { triangles: 50_000_000, parts: 20_000_000, spare_plans: 65_536, emitted_depth: 1024 }
+        Self {
+            triangles: 50_000_000,
+            parts: 20_000_000,
+            plans: 3_000_000,
+            spare_plans: 65_536,
+            emitted_depth: 1024,
+        }
     }
 }
 
@@ -56,6 +66,8 @@ pub(crate) struct Limits {
     pub(crate) triangles: u64,
     /// Parts in plans that are there already.
     pub(crate) n_parts: u64,
+    /// Plans that are there already.
+    pub(crate) n_plans: u64,
     #[cfg(feature = "planted-faults")]
     pub(crate) drops_reads: bool,
 }
@@ -87,6 +99,19 @@ impl Limits {
         let limit = self.budget.parts;
         if self.n_parts.saturating_add(more) > limit {
             return Err(Interrupted::Exhausted { what: "parts", limit, component });
+        }
+        Ok(())
+    }
+
+    /// Fails when `more` plans would exceed the budget.
+    pub(crate) fn check_plans(
+        &self,
+        more: u64,
+        component: &'static str,
+    ) -> Result<(), Interrupted> {
+        let limit = self.budget.plans;
+        if self.n_plans.saturating_add(more) > limit {
+            return Err(Interrupted::Exhausted { what: "plans", limit, component });
         }
         Ok(())
     }
