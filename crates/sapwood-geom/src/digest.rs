@@ -13,9 +13,23 @@ use siphasher::sip128::{Hasher128 as _, SipHasher13};
 
 /// 128 bits that stand for a value's content.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Digest(pub u128);
+pub struct Digest {
+    // Two halves, for a u128 would make every row that holds a digest align to 16 bytes.
+    high: u64,
+    low: u64,
+}
 
 impl Digest {
+    /// The digest with these bits.
+    pub const fn from_bits(bits: u128) -> Self {
+        Self { high: (bits >> 64) as u64, low: bits as u64 }
+    }
+
+    /// The bits.
+    pub const fn bits(self) -> u128 {
+        (self.high as u128) << 64 | self.low as u128
+    }
+
     /// The digest of one value.
     pub fn of<T: Content + ?Sized>(value: &T) -> Self {
         let mut digester = Digester::new();
@@ -26,7 +40,7 @@ impl Digest {
 
 impl std::fmt::Debug for Digest {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{:032x}", self.0)
+        write!(f, "{:032x}", self.bits())
     }
 }
 
@@ -62,7 +76,7 @@ impl Digester {
 
     /// The digest of everything added so far.
     pub fn finish(&self) -> Digest {
-        Digest(self.0.finish128().as_u128())
+        Digest::from_bits(self.0.finish128().as_u128())
     }
 }
 
@@ -114,7 +128,7 @@ impl Content for String {
 
 impl Content for Digest {
     fn write(&self, digester: &mut Digester) {
-        self.0.write(digester);
+        self.bits().write(digester);
     }
 }
 

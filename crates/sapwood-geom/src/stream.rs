@@ -43,7 +43,7 @@ pub struct Stream(Mcg128Xsl64);
 impl Stream {
     /// The stream at `path` for `purpose`.
     pub fn new(path: StreamPath, purpose: Purpose) -> Self {
-        Self(Mcg128Xsl64::new(Digest::of(&(path.0, purpose.0)).0))
+        Self(Mcg128Xsl64::new(Digest::of(&(path.0, purpose.0)).bits()))
     }
 
     /// 64 random bits.

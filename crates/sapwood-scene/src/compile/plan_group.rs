@@ -155,5 +155,5 @@ fn digest_of(values: impl Iterator<Item = Digest>) -> Digest {
         digester.add(&value);
         n += 1;
     }
-    if n == 0 { Digest(0) } else { digester.finish() }
+    if n == 0 { Digest::from_bits(0) } else { digester.finish() }
 }

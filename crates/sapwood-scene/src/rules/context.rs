@@ -146,7 +146,7 @@ impl<'a> Context<'a> {
                 self.slots.slots.insert(place, *slot);
             }
         }
-        let key = ReadKey::Projection(ProjectionKey::new(projection, slots));
+        let key = ReadKey::Projection(Arc::new(ProjectionKey::new(projection, slots)));
         self.record(key, Digest::of(&output));
         output
     }

@@ -1,5 +1,7 @@
 //! What a rule read: the key under which its plan is found again.
 
+use std::sync::Arc;
+
 use sapwood_geom::{Content, Digest, Digester};
 
 use crate::slots::{ProjectionKey, SlotKey, SlotReader};
@@ -8,7 +10,7 @@ use crate::slots::{ProjectionKey, SlotKey, SlotReader};
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum ReadKey {
     Slot(SlotKey),
-    Projection(ProjectionKey),
+    Projection(Arc<ProjectionKey>),
 }
 
 /// Something that was read, and what it was.
@@ -48,7 +50,7 @@ impl Content for ReadKey {
     fn write(&self, digester: &mut Digester) {
         match self {
             Self::Slot(slot) => digester.add(&0u8).add(slot.name()),
-            Self::Projection(key) => digester.add(&1u8).add(key),
+            Self::Projection(key) => digester.add(&1u8).add(&**key),
         };
     }
 }

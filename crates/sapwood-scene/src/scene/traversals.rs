@@ -7,7 +7,7 @@ use sapwood_graph::{
 };
 
 use super::Scene;
-use crate::compile::Pull;
+use crate::compile::{Cache, Pull};
 use crate::{ViewError, ViewId};
 
 /// How often a traversal begins again after room was made for it.
@@ -68,9 +68,10 @@ impl Scene {
 
     /// Throws away what no view shows, and tells whether that left more of any budget.
     fn make_room(&mut self) -> bool {
-        let before = (self.cache.triangles, self.cache.n_parts);
+        let used = |cache: &Cache| (cache.triangles, cache.n_parts, cache.plans.len());
+        let before = used(&self.cache);
         self.evict();
-        before != (self.cache.triangles, self.cache.n_parts)
+        before != used(&self.cache)
     }
 
     /// Compiles everything and reads the result.

@@ -84,12 +84,10 @@ impl SlotValue {
 
 /// A slot, its type forgotten.
 #[derive(Clone, Copy)]
-pub(crate) struct SlotKey {
-    id: TypeId,
-    table: &'static SlotTable,
-}
+pub(crate) struct SlotKey(&'static SlotTable);
 
 struct SlotTable {
+    id: TypeId,
     name: &'static str,
     /// A hash of the name: slots are sorted by it, for names take longer to compare.
     rank: u64,
@@ -102,6 +100,7 @@ struct TableOf<S>(S);
 
 impl<S: Slot> TableOf<S> {
     const TABLE: SlotTable = SlotTable {
+        id: TypeId::of::<S>(),
         name: S::NAME,
         rank: rank(S::NAME),
         default: || SlotValue::new::<S>(S::default()),
@@ -122,43 +121,43 @@ impl<S: Slot> TableOf<S> {
 
 impl SlotKey {
     pub(crate) fn of<S: Slot>() -> Self {
-        Self { id: TypeId::of::<S>(), table: &TableOf::<S>::TABLE }
+        Self(&TableOf::<S>::TABLE)
     }
 
     pub(crate) fn name(self) -> &'static str {
-        self.table.name
+        self.0.name
     }
 
     pub(crate) fn type_id(self) -> TypeId {
-        self.id
+        self.0.id
     }
 
     pub(crate) fn default(self) -> SlotValue {
-        (self.table.default)()
+        (self.0.default)()
     }
 
     pub(crate) fn merges(self) -> bool {
-        self.table.merge.is_some()
+        self.0.merge.is_some()
     }
 
     pub(crate) fn descends(self) -> bool {
-        self.table.descend.is_some()
+        self.0.descend.is_some()
     }
 
     /// The value below a push.
     pub(crate) fn merge(self, inherited: &SlotValue, pushed: &SlotValue) -> SlotValue {
-        self.table.merge.map_or_else(|| pushed.clone(), |merge| merge(inherited, pushed))
+        self.0.merge.map_or_else(|| pushed.clone(), |merge| merge(inherited, pushed))
     }
 
     /// The value for the child with this key.
     pub(crate) fn descend(self, value: SlotValue, key: u64) -> SlotValue {
-        self.table.descend.map_or_else(|| value.clone(), |descend| descend(&value, key))
+        self.0.descend.map_or_else(|| value.clone(), |descend| descend(&value, key))
     }
 }
 
 impl PartialEq for SlotKey {
     fn eq(&self, other: &Self) -> bool {
-        self.id == other.id
+        std::ptr::eq(self.0, other.0) || self.0.id == other.0.id
     }
 }
 
@@ -166,15 +165,15 @@ impl Eq for SlotKey {}
 
 impl Hash for SlotKey {
     fn hash<H: Hasher>(&self, state: &mut H) {
-        self.id.hash(state);
+        self.0.id.hash(state);
     }
 }
 
 /// By name, in an order that is the same in every build, as that of type ids is not.
 impl Ord for SlotKey {
     fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        let by_rank = self.table.rank.cmp(&other.table.rank);
-        by_rank.then_with(|| self.name().cmp(other.name())).then_with(|| self.id.cmp(&other.id))
+        let by_rank = self.0.rank.cmp(&other.0.rank);
+        by_rank.then_with(|| self.name().cmp(other.name())).then_with(|| self.0.id.cmp(&other.0.id))
     }
 }
 
