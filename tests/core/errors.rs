@@ -226,6 +226,19 @@ fn what_nothing_shows_any_more_makes_room_in_the_budget() {
     assert_eq!(scene.bounds(view).unwrap().aabb.max.x, 10.0);
 }
 
+#[test]
+fn plans_of_earlier_edits_make_room_in_a_budget_of_plans() {
+    let mut scene = checked_scene();
+    let root = scene.add(at(0));
+    scene.add_to(root, Group).unwrap();
+    let view = scene.open_view(root, &rules()).unwrap();
+    scene.set_budget(view, Budget { plans: 8, ..Budget::default() }).unwrap();
+    for x in 0..50 {
+        scene.edit(root, |root| *root = at(x)).unwrap();
+        assert_eq!(scene.count(view).unwrap().components_of("group"), 1);
+    }
+}
+
 /// A rule that cancels its own view at the third component.
 struct CancellingRule(CancelToken, AtomicU32);
 impl Rule for CancellingRule {
