@@ -1,8 +1,11 @@
 //! A hundred thousand trivial leaves: each a transform over one of 16 shared geometries, in
 //! groups of ten.
 
-use std::time::{Duration, Instant};
+mod clock;
 
+use std::time::Duration;
+
+use clock::{CpuTime, Moment};
 use criterion::{Criterion, SamplingMode};
 use sapwood::geom::Mesh;
 use sapwood::geom::glam::Vec3;
@@ -15,6 +18,7 @@ const GROUP: usize = 10;
 
 fn main() {
     let mut criterion = Criterion::default()
+        .with_measurement(CpuTime)
         .configure_from_args()
         .sample_size(20)
         .warm_up_time(Duration::from_millis(500))
@@ -93,13 +97,13 @@ fn sum(n: u64, each: impl Fn() -> Duration) -> Duration {
     (0..n).fold(Duration::ZERO, |sum, _| sum + each())
 }
 
-fn whole(criterion: &mut Criterion) {
+fn whole(criterion: &mut Criterion<CpuTime>) {
     let mut group = criterion.benchmark_group("many_leaves");
     group.sampling_mode(SamplingMode::Flat).sample_size(10);
     group.bench_function("build", |bencher| {
         bencher.iter_custom(|n| {
             sum(n, || {
-                let start = Instant::now();
+                let start = Moment::now();
                 let forest = Forest::built();
                 let elapsed = start.elapsed();
                 drop(forest);
@@ -111,7 +115,7 @@ fn whole(criterion: &mut Criterion) {
         bencher.iter_custom(|n| {
             sum(n, || {
                 let mut forest = Forest::built();
-                let start = Instant::now();
+                let start = Moment::now();
                 forest.bounds();
                 start.elapsed()
             })
@@ -122,7 +126,7 @@ fn whole(criterion: &mut Criterion) {
             sum(n, || {
                 let mut forest = Forest::built();
                 forest.bounds();
-                let start = Instant::now();
+                let start = Moment::now();
                 forest.scene.count(forest.view).expect("triangles keep to the budget");
                 start.elapsed()
             })
@@ -133,7 +137,7 @@ fn whole(criterion: &mut Criterion) {
             sum(n, || {
                 let mut forest = Forest::built();
                 forest.bounds();
-                let start = Instant::now();
+                let start = Moment::now();
                 drop(forest);
                 start.elapsed()
             })
@@ -141,7 +145,7 @@ fn whole(criterion: &mut Criterion) {
     });
 }
 
-fn edits(criterion: &mut Criterion) {
+fn edits(criterion: &mut Criterion<CpuTime>) {
     let mut forest = Forest::built();
     forest.bounds();
     let mut group = criterion.benchmark_group("many_leaves");

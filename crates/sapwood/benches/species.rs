@@ -1,13 +1,17 @@
 //! Built-in species: from a new scene to bounds, and after an edit of the leaves.
 
-use std::time::{Duration, Instant};
+mod clock;
 
+use std::time::Duration;
+
+use clock::{CpuTime, Moment};
 use criterion::{Criterion, SamplingMode};
 use sapwood::rules::weber_penn::{LeafParams, LeavesSlot, Seed, Species, Tree};
 use sapwood::scene::{Attribute, Handle, RuleSet, Scene, ViewId};
 
 fn main() {
     let mut criterion = Criterion::default()
+        .with_measurement(CpuTime)
         .configure_from_args()
         .sample_size(10)
         .warm_up_time(Duration::from_millis(300))
@@ -26,7 +30,7 @@ fn planted(species: &Species, rules: &RuleSet) -> (Scene, Handle<Attribute>, Vie
 }
 
 /// New scene, new cache; taking them down again is not counted.
-fn cold(criterion: &mut Criterion) {
+fn cold(criterion: &mut Criterion<CpuTime>) {
     let mut group = criterion.benchmark_group("cold");
     group.sampling_mode(SamplingMode::Flat);
     for name in sapwood::io::built_in_names() {
@@ -35,7 +39,7 @@ fn cold(criterion: &mut Criterion) {
         group.bench_function(name, |bencher| {
             bencher.iter_custom(|n| {
                 (0..n).fold(Duration::ZERO, |sum, _| {
-                    let start = Instant::now();
+                    let start = Moment::now();
                     let (mut scene, _, view) = planted(&species, &rules);
                     scene.bounds(view).expect("species keep to the budget");
                     sum + start.elapsed()
@@ -46,7 +50,7 @@ fn cold(criterion: &mut Criterion) {
 }
 
 /// Another size of leaf each time, so that nothing is found in the cache.
-fn leaf_edit(criterion: &mut Criterion) {
+fn leaf_edit(criterion: &mut Criterion<CpuTime>) {
     let mut group = criterion.benchmark_group("leaf_edit");
     group.sampling_mode(SamplingMode::Flat);
     for name in ["quaking_aspen", "black_tupelo"] {
