@@ -8,6 +8,7 @@ mod moving;
 mod projections;
 mod random_scripts;
 mod sharing;
+mod unruly;
 mod views;
 mod walks;
 mod wide;

@@ -20,6 +20,8 @@ pub struct Scene {
     graph: Graph,
     cache: Cache,
     views: Column<View>,
+    /// How many views were ever opened.
+    n_opened: u64,
     #[cfg(feature = "planted-faults")]
     drops_reads: bool,
 }
@@ -37,6 +39,7 @@ impl Scene {
             graph: Graph::new(),
             cache: Cache::new(),
             views: Column::new(),
+            n_opened: 0,
             #[cfg(feature = "planted-faults")]
             drops_reads: false,
         }
@@ -126,7 +129,7 @@ impl Scene {
     }
 
     fn evict_if_bloated(&mut self, view: ViewId) {
-        let spare = self.views.get(view.0).map_or(0, |view| view.budget.spare_plans);
+        let spare = self.views.get(view.number).map_or(0, |view| view.budget.spare_plans);
         if self.cache.may_be_bloated(spare) {
             self.evict();
         }

@@ -11,9 +11,14 @@ use crate::{Budget, CancelToken, NodeId, RuleSet};
 
 /// A view of a scene: a root, a rule set, and slot values above the root.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct ViewId(pub(crate) u32);
+pub struct ViewId {
+    pub(crate) number: u32,
+    /// Numbers are used again after views are closed; generations are not.
+    pub(crate) generation: u64,
+}
 
 pub(crate) struct View {
+    pub(crate) generation: u64,
     pub(crate) root: NodeId,
     pub(crate) rules: RuleSet,
     /// For each kind of authored component by its storage number, the number of the rule that

@@ -79,6 +79,8 @@ pub(crate) struct Site {
     /// In the site's own frame; known of closed sites.
     pub(crate) bound: Option<Bound>,
     pub(crate) live: Box<[Affine3]>,
+    /// Why the latest visit failed, if it did; live values are as it left them.
+    pub(crate) visit_error: Option<Box<Diagnostic>>,
     /// The settling in which the site was last looked at.
     pub(crate) settled_in: u64,
     /// The view's tick for which live values at and below the site were visited last; says
@@ -248,6 +250,7 @@ impl Cache {
             is_moving: false,
             bound: None,
             live: Box::default(),
+            visit_error: None,
             settled_in: 0,
             visited_tick: 0,
         }))

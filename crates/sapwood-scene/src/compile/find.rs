@@ -31,7 +31,8 @@ impl Pull<'_> {
             }
             return Ok(plan);
         }
-        let draft = self.init(target, rule, env)?;
+        let limits = self.limits();
+        let draft = self.init(target, rule, env, &limits)?;
         let new = self.publish(target, rule, revision, draft)?;
         let kept = self.equal_outdated(target, rule, new).unwrap_or(new);
         if kept != new {

@@ -32,8 +32,8 @@ impl Pull<'_> {
         target: Target,
         rule: u32,
         env: EnvId,
+        limits: &Limits,
     ) -> Result<Draft, Interrupted> {
-        let limits = self.limits();
         limits.check_cancelled()?;
         let identity = self.cache.rules[rule as usize].identity;
         self.cache.log.note(Action::Compiled, identity.kind, identity.name);
@@ -45,7 +45,7 @@ impl Pull<'_> {
             Target::View(_) | Target::Emitted(_) => None,
         };
         let slots = SlotReader::new(&pushes, environments, env);
-        let mut cx = Context::new(slots, graph, node, &limits, identity.kind);
+        let mut cx = Context::new(slots, graph, node, limits, identity.kind);
         let component = match target {
             Target::Authored(node) => graph.component(node).ok(),
             Target::View(_) => None,
@@ -55,8 +55,12 @@ impl Pull<'_> {
         };
         let component = component.expect("wants lead to components that exist");
         let known = &cache.rules[rule as usize].rule;
-        match catch_unwind(AssertUnwindSafe(|| known.init(component, &mut cx))) {
-            Ok(Ok(data)) => cx.into_draft(data),
+        let outcome = catch_unwind(AssertUnwindSafe(|| known.init(component, &mut cx)));
+        if let Some(why) = cx.interrupted() {
+            return Err(why);
+        }
+        match outcome {
+            Ok(Ok(data)) => Ok(cx.into_draft(data)),
             Ok(Err(RuleError::Interrupted(why))) => Err(why),
             Ok(Err(RuleError::Failed(message))) => Ok(cx.into_error(message)),
             Err(panic) => {
@@ -77,7 +81,8 @@ impl Pull<'_> {
             (plan.target, plan.rule, plan.revision)
         };
         let was_on = std::mem::replace(&mut self.cache.log.is_on, false);
-        let again = self.init(target, rule, env);
+        let limits = self.limits().without_budget();
+        let again = self.init(target, rule, env, &limits);
         let again = again.and_then(|draft| self.publish_unlimited(target, rule, revision, draft));
         self.cache.log.is_on = was_on;
         let again = again?;
@@ -96,7 +101,7 @@ impl Pull<'_> {
     }
 }
 
-fn words_of(panic: &(dyn Any + Send)) -> &str {
+pub(super) fn words_of(panic: &(dyn Any + Send)) -> &str {
     let message = panic.downcast_ref::<&str>().copied();
     let message = message.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
     message.unwrap_or("without a message")

@@ -88,28 +88,7 @@ impl Pull<'_> {
             return Ok(Err(Diagnostic { kind, message }));
         }
         let plan = self.plan_for(target, rule, env)?;
-        let site = self.site_for(plan, env, previous);
-        if n_emitted > 0 && self.stands_above(site, env) {
-            let message = "the component contains itself with nothing changed".to_owned();
-            return Ok(Err(Diagnostic { kind, message }));
-        }
-        Ok(Ok(site))
-    }
-
-    /// Whether a site stands above the place `env`, among emitted components and whoever
-    /// emitted them. Authored components cannot contain themselves.
-    fn stands_above(&mut self, site: SiteId, env: EnvId) -> bool {
-        let mut at = env;
-        while let Some(above) = self.environments().above(at) {
-            if above.site == site {
-                return true;
-            }
-            if above.n_emitted == 0 {
-                return false;
-            }
-            at = above.env;
-        }
-        false
+        Ok(Ok(self.site_for(plan, env, previous)))
     }
 
     /// The site of a plan in an environment: found by the slots that sites of the plan are
@@ -154,6 +133,7 @@ impl Pull<'_> {
             is_moving: n_live > 0,
             bound: None,
             live: vec![sapwood_geom::glam::Affine3::IDENTITY; n_live].into(),
+            visit_error: None,
             settled_in: 0,
             visited_tick: self.view.tick,
         }));

@@ -108,10 +108,15 @@ impl PlanGroup {
     }
 
     /// The plan whose reads give the same values when they are read again.
-    pub(super) fn find(&self, mut read_again: impl FnMut(&ReadKey) -> Digest) -> Option<u32> {
-        self.sets
-            .iter()
-            .find_map(|set| set.plans.get(digest_of(set.keys.iter().map(&mut read_again))))
+    pub(super) fn find(
+        &self,
+        mut read_again: impl FnMut(&ReadKey) -> Option<Digest>,
+    ) -> Option<u32> {
+        self.sets.iter().find_map(|set| {
+            let values: Option<SmallVec<[Digest; 8]>> =
+                set.keys.iter().map(&mut read_again).collect();
+            set.plans.get(digest_of(values?.into_iter()))
+        })
     }
 
     /// Plans of earlier edits whose reads may equal these, the latest first.

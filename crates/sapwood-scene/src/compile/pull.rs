@@ -126,7 +126,7 @@ impl Supply for Pull<'_> {
             data: self.cache.data_of(plan),
             parts: &plan.parts,
             live: &self.cache.sites[site.0].live,
-            error: plan.error.as_deref(),
+            error: plan.error.as_deref().or(self.cache.sites[site.0].visit_error.as_deref()),
         }
     }
 

@@ -8,6 +8,7 @@ use sapwood_geom::Bound;
 use sapwood_graph::{EnvId, SiteId, Supplied, Supply, fragment_bound};
 
 use super::cache::Link;
+use super::cycles::Rings;
 use super::pull::{Pull, Pushes};
 
 /// A site that is being settled.
@@ -17,6 +18,8 @@ struct Open {
     next_link: u32,
     /// Whether every link so far is filled and settled.
     is_complete: bool,
+    /// The lowest number of an emitted site on the way here that something below leads back to.
+    lowest: u32,
 }
 
 impl Pull<'_> {
@@ -28,19 +31,25 @@ impl Pull<'_> {
         if self.is_settled(root) {
             return;
         }
-        let mut stack = vec![Open { site: root, env, next_link: 0, is_complete: true }];
+        let mut rings = Rings::new();
+        let lowest = u32::MAX;
+        let mut stack = vec![Open { site: root, env, next_link: 0, is_complete: true, lowest }];
         while let Some(open) = stack.last_mut() {
             let (site, link) = (open.site, open.next_link);
             if link as usize == self.cache.sites[site.0].links.len() {
-                let is_complete = open.is_complete;
+                let (is_complete, lowest) = (open.is_complete, open.lowest);
                 stack.pop();
                 if is_complete {
                     self.close(site);
                 } else {
                     self.leave_open(site);
                 }
+                if let Some(part) = rings.leave(site, lowest) {
+                    self.fail_ring(&part);
+                }
                 if let Some(parent) = stack.last_mut() {
                     parent.is_complete &= is_complete;
+                    parent.lowest = parent.lowest.min(lowest);
                 }
                 continue;
             }
@@ -49,13 +58,17 @@ impl Pull<'_> {
                 (_, Supplied::Failed(_)) => {}
                 (_, Supplied::Ready(child)) if self.is_settled(child) => {}
                 (env, Supplied::Ready(child)) => {
-                    let row = &mut self.cache.sites[child.0];
-                    if row.settled_in == settling {
-                        // Another way led there before and found it incomplete.
+                    if self.cache.sites[child.0].settled_in == settling {
+                        // Another way led there before and found it incomplete, or this one.
                         open.is_complete = false;
+                        let above = rings.above(child);
+                        open.lowest = open.lowest.min(above.unwrap_or(u32::MAX));
                     } else {
-                        row.settled_in = settling;
-                        stack.push(Open { site: child, env, next_link: 0, is_complete: true });
+                        self.cache.sites[child.0].settled_in = settling;
+                        let is_emitted = self.facts(site, link).is_emitted;
+                        let lowest = if is_emitted { rings.enter(child) } else { u32::MAX };
+                        let (next_link, is_complete) = (0, true);
+                        stack.push(Open { site: child, env, next_link, is_complete, lowest });
                     }
                 }
                 _ => open.is_complete = false,

@@ -3,8 +3,11 @@
 //! Only sites that move, or have something moving below them, are gone into. No rule's `init`
 //! runs, and nothing is allocated for a site.
 
-use sapwood_graph::SiteId;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
+use sapwood_graph::{Diagnostic, SiteId};
+
+use super::init::words_of;
 use super::pull::Pull;
 use crate::log::Action;
 use crate::rules::VisitContext;
@@ -53,13 +56,21 @@ impl Pull<'_> {
             return;
         }
         let mut live = std::mem::take(&mut row.live);
+        let mut error = None;
         let plan = self.cache.plan_of(site);
         let cx = VisitContext { moving: &self.view.moving, defaults: &self.view.moving_defaults };
         if let Some(known) = self.cache.rules.get(plan.rule as usize) {
-            known.rule.visit(self.cache.data_of(plan), &cx, &mut live);
+            let data = self.cache.data_of(plan);
             let (kind, rule) = (known.identity.kind, known.identity.name);
+            let visit = || known.rule.visit(data, &cx, &mut live);
+            if let Err(panic) = catch_unwind(AssertUnwindSafe(visit)) {
+                let message = format!("visit of rule {rule} panicked: {}", words_of(&*panic));
+                error = Some(Box::new(Diagnostic { kind, message }));
+            }
             self.cache.log.note(Action::Visited, kind, rule);
         }
-        self.cache.sites[site.0].live = live;
+        let row = &mut self.cache.sites[site.0];
+        row.live = live;
+        row.visit_error = error;
     }
 }

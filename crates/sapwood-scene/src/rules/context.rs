@@ -1,6 +1,7 @@
 //! The context of `init`: what a rule reads from and builds with.
 
 use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
 
 use sapwood_geom::glam::Affine3;
@@ -12,7 +13,7 @@ use smallvec::SmallVec;
 
 use super::{Limits, Read, ReadKey};
 use crate::semantic::{AnyComponent, Graph};
-use crate::slots::{Placement, ProjectionKey, SlotKey, SlotReader, SlotValue};
+use crate::slots::{PANICKED, Placement, ProjectionKey, SlotKey, SlotReader, SlotValue};
 use crate::{Component, Held, NodeId, Projection, Slot};
 
 /// "Below no push" in links and scopes.
@@ -31,8 +32,8 @@ pub struct Context<'a> {
     triangles: u64,
     n_parts: u64,
     n_emitted: u64,
-    /// Set when more was emitted than may be compiled; the rest is not stored.
-    exhausted: Option<Interrupted>,
+    /// The first interruption that the rule was told of, or that ended emitting.
+    interrupted: Option<Interrupted>,
     scope: u32,
     fragment: FragmentBuilder,
     draft: DraftTables,
@@ -101,7 +102,7 @@ impl<'a> Context<'a> {
             triangles: 0,
             n_parts: 0,
             n_emitted: 0,
-            exhausted: None,
+            interrupted: None,
             scope: NO_SCOPE,
             fragment: FragmentBuilder::new(),
             draft: DraftTables::default(),
@@ -116,14 +117,16 @@ impl<'a> Context<'a> {
         Draft { fragment: Fragment::empty(), tables, data: None, slots, error }
     }
 
+    /// The interruption that the rule met, whatever it made of it: its outcome is worth nothing.
+    pub(crate) fn interrupted(&mut self) -> Option<Interrupted> {
+        self.interrupted.take()
+    }
+
     /// The draft of what the rule made.
-    pub(crate) fn into_draft(self, data: Box<dyn Any + Send + Sync>) -> Result<Draft, Interrupted> {
-        if let Some(why) = self.exhausted {
-            return Err(why);
-        }
+    pub(crate) fn into_draft(self, data: Box<dyn Any + Send + Sync>) -> Draft {
         let slots = self.slots.into_slots();
         let fragment = self.fragment.finish();
-        Ok(Draft { fragment, tables: self.draft, data: Some(data), slots, error: None })
+        Draft { fragment, tables: self.draft, data: Some(data), slots, error: None }
     }
 
     /// The value of a held slot at this place. The plan is used again wherever the value is the
@@ -139,7 +142,7 @@ impl<'a> Context<'a> {
     /// gives the same, whatever the slots behind it.
     pub fn project<P: Projection>(&mut self, projection: P) -> P::Output {
         let mut reader = self.slots.fork();
-        let output = projection.compute(&mut reader);
+        let output = catch_unwind(AssertUnwindSafe(|| projection.compute(&mut reader)));
         let slots: Arc<[SlotKey]> = reader.slots.as_slice().into();
         for slot in slots.iter() {
             if let Err(place) = self.slots.slots.binary_search(slot) {
@@ -147,8 +150,10 @@ impl<'a> Context<'a> {
             }
         }
         let key = ReadKey::Projection(Arc::new(ProjectionKey::new(projection, slots)));
-        self.record(key, Digest::of(&output));
-        output
+        let digest = output.as_ref().map_or(PANICKED, Digest::of);
+        self.record(key, digest);
+        // What was read is recorded, so the component is tried again when that changes.
+        output.unwrap_or_else(|panic| resume_unwind(panic))
     }
 
     fn record(&mut self, key: ReadKey, value: Digest) {
@@ -188,8 +193,8 @@ impl<'a> Context<'a> {
     /// the rule can tell one without compiling it.
     pub fn emit_keyed<C: Component>(&mut self, key: u64, component: C, foreseen: Option<Bound>) {
         self.n_emitted += 1;
-        if let Err(why) = self.limits.check_plans(self.n_emitted, self.component.name()) {
-            self.exhausted = Some(why);
+        if let Err(why) = self.limits.check_emitted(self.n_emitted, self.component.name()) {
+            self.interrupted.get_or_insert(why);
             return;
         }
         self.fragment.deferred(Kind::of::<C>(), foreseen);
@@ -264,8 +269,16 @@ impl<'a> Context<'a> {
     ///
     /// # Errors
     /// When the caller asked to stop; pass it on.
-    pub fn checkpoint(&self) -> Result<(), Interrupted> {
-        self.limits.check_cancelled()
+    pub fn checkpoint(&mut self) -> Result<(), Interrupted> {
+        let outcome = self.limits.check_cancelled();
+        self.noting(outcome)
+    }
+
+    fn noting(&mut self, outcome: Result<(), Interrupted>) -> Result<(), Interrupted> {
+        if let Err(why) = &outcome {
+            self.interrupted.get_or_insert_with(|| why.clone());
+        }
+        outcome
     }
 
     /// To be called before memory for parts is taken; includes a checkpoint.
@@ -275,7 +288,8 @@ impl<'a> Context<'a> {
     pub fn reserve_parts(&mut self, n: u64) -> Result<(), Interrupted> {
         self.checkpoint()?;
         self.n_parts = self.n_parts.saturating_add(n);
-        self.limits.check_parts(self.n_parts, self.component.name())
+        let outcome = self.limits.check_parts(self.n_parts, self.component.name());
+        self.noting(outcome)
     }
 
     /// To be called before memory for triangles is taken; includes a checkpoint.
@@ -285,7 +299,8 @@ impl<'a> Context<'a> {
     pub fn reserve_triangles(&mut self, n: u64) -> Result<(), Interrupted> {
         self.checkpoint()?;
         self.triangles = self.triangles.saturating_add(n);
-        self.limits.check_triangles(self.triangles, self.component.name())
+        let outcome = self.limits.check_triangles(self.triangles, self.component.name());
+        self.noting(outcome)
     }
 }
 

@@ -34,7 +34,8 @@ pub struct Budget {
     /// Parts in all plans together.
     pub parts: u64,
     /// Plans altogether: components that are compiled, each counted once however often it
-    /// occurs, and again for each way in which what it reads differs.
+    /// occurs, and again for each way in which what it reads differs. No single component may
+    /// emit more than this either.
     pub plans: u64,
     /// Plans, and as many sites, that are kept although nothing shows them at the moment; past
     /// this they are discarded.
@@ -114,5 +115,21 @@ impl Limits {
             return Err(Interrupted::Exhausted { what: "plans", limit, component });
         }
         Ok(())
+    }
+
+    /// Fails when one rule emits more than could ever be compiled.
+    pub(crate) fn check_emitted(&self, n: u64, component: &'static str) -> Result<(), Interrupted> {
+        let limit = self.budget.plans;
+        if n > limit {
+            return Err(Interrupted::Exhausted { what: "plans", limit, component });
+        }
+        Ok(())
+    }
+
+    /// The same without any budget: for making again what is there already.
+    pub(crate) fn without_budget(mut self) -> Self {
+        let budget = &mut self.budget;
+        (budget.triangles, budget.parts, budget.plans) = (u64::MAX, u64::MAX, u64::MAX);
+        self
     }
 }

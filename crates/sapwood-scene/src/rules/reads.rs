@@ -28,11 +28,16 @@ impl ReadKey {
         }
     }
 
-    /// What reading it again gives in another environment.
-    pub(crate) fn read_again(&self, slots: &mut SlotReader<'_>) -> Digest {
+    /// What reading it again gives in another environment; nothing where a projection asks for
+    /// other slots there, for then its result is not the same read.
+    pub(crate) fn read_again(&self, slots: &mut SlotReader<'_>) -> Option<Digest> {
         match self {
-            Self::Slot(slot) => slots.value(*slot).digest,
-            Self::Projection(key) => key.projection.compute_digest(slots),
+            Self::Slot(slot) => Some(slots.value(*slot).digest),
+            Self::Projection(key) => {
+                let mut reader = slots.fork();
+                let digest = key.projection.compute_digest(&mut reader);
+                (reader.slots.as_slice() == &*key.slots).then_some(digest)
+            }
         }
     }
 

@@ -102,6 +102,8 @@ impl VisitContext<'_> {
 /// What tells rules apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct RuleIdentity {
+    /// Two Rust types are two rules, whatever they call themselves.
+    rule: TypeId,
     pub(crate) kind: Kind,
     pub(crate) name: &'static str,
     pub(crate) version: u32,
@@ -126,6 +128,7 @@ impl<R: Rule> AnyRule for R {
         let mut settings = Digester::new();
         self.settings(&mut settings);
         RuleIdentity {
+            rule: TypeId::of::<R>(),
             kind: Kind::of::<R::Component>(),
             name: R::NAME,
             version: R::VERSION,

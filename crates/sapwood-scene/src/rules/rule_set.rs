@@ -11,8 +11,8 @@ use super::{AnyRule, Rule};
 /// Which rule serves which kind, in layers: what a layer lacks is looked for below it.
 #[derive(Clone, Default)]
 pub struct RuleSet {
-    rules: Vec<Registered>,
-    below: Option<Arc<RuleSet>>,
+    /// The highest first.
+    layers: Vec<Arc<Vec<Registered>>>,
 }
 
 #[derive(Clone)]
@@ -36,40 +36,36 @@ impl RuleSet {
     #[track_caller]
     pub fn with<R: Rule>(mut self, rule: R) -> Self {
         let kind = Kind::of::<R::Component>();
-        if let Some(earlier) = self.rules.iter().find(|earlier| earlier.kind == kind) {
+        if self.layers.is_empty() {
+            self.layers.push(Arc::default());
+        }
+        let layer = Arc::make_mut(&mut self.layers[0]);
+        if let Some(earlier) = layer.iter().find(|earlier| earlier.kind == kind) {
             panic!("the rule for {kind} is registered twice, first at {}", earlier.by);
         }
         let by = Location::caller();
-        self.rules.push(Registered { kind, rule: Arc::new(rule), by });
+        layer.push(Registered { kind, rule: Arc::new(rule), by });
         self
     }
 
-    /// The set as a layer over another: its rules come first.
+    /// The set as layers over another: its rules come first.
     pub fn over(mut self, below: &RuleSet) -> Self {
-        self.below = Some(Arc::new(match self.below.take() {
-            None => below.clone(),
-            Some(middle) => (*middle).clone().over(below),
-        }));
+        self.layers.extend_from_slice(&below.layers);
         self
     }
 
     /// The rule for a kind, from the highest layer that has one.
     pub(crate) fn rule(&self, kind: Kind) -> Option<&Arc<dyn AnyRule>> {
-        let mut layer = Some(self);
-        while let Some(set) = layer {
-            if let Some(found) = set.rules.iter().find(|rule| rule.kind == kind) {
-                return Some(&found.rule);
-            }
-            layer = set.below.as_deref();
-        }
-        None
+        let mut rules = self.layers.iter().flat_map(|layer| layer.iter());
+        rules.find(|rule| rule.kind == kind).map(|rule| &rule.rule)
     }
 }
 
 impl fmt::Debug for RuleSet {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let rules = self.rules.iter().map(|rule| (rule.kind, rule.rule.identity().name));
-        f.debug_map().entries(rules).finish()?;
-        self.below.as_ref().map_or(Ok(()), |below| write!(f, " over {below:?}"))
+        let layer = |layer: &Arc<Vec<Registered>>| {
+            layer.iter().map(|rule| (rule.kind, rule.rule.identity().name)).collect::<Vec<_>>()
+        };
+        f.debug_list().entries(self.layers.iter().map(layer)).finish()
     }
 }

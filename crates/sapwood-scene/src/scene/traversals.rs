@@ -20,17 +20,19 @@ impl Scene {
     /// # Errors
     /// When the view is closed.
     pub fn supply(&mut self, view: ViewId) -> Result<impl Provide + '_, ViewError> {
+        self.evict_if_bloated(view);
         self.pull(view)
     }
 
     fn pull(&mut self, view: ViewId) -> Result<Pull<'_>, ViewError> {
-        let row = self.views.get_mut(view.0).ok_or(ViewError::Closed)?;
+        let row = self.views.get_mut(view.number).filter(|row| row.generation == view.generation);
+        let row = row.ok_or(ViewError::Closed)?;
         self.graph.pull();
         Ok(Pull::new(
             &self.graph,
             &mut self.cache,
             row,
-            view.0,
+            view.number,
             #[cfg(feature = "planted-faults")]
             self.drops_reads,
         ))

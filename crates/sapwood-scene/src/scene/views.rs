@@ -23,7 +23,10 @@ impl Scene {
     ) -> Result<ViewId, EditError> {
         let root = root.into();
         let kind = self.graph.kind(root)?;
+        self.n_opened += 1;
+        let generation = self.n_opened;
         let number = self.views.insert(View {
+            generation,
             root,
             rules: rules.clone(),
             authored_rules: Vec::new(),
@@ -40,7 +43,7 @@ impl Scene {
             cancel: CancelToken::default(),
         });
         self.views[number].root_site = self.cache.add_root_site(number, root, kind);
-        Ok(ViewId(number))
+        Ok(ViewId { number, generation })
     }
 
     /// Closes a view; what only it showed is thrown away.
@@ -48,13 +51,15 @@ impl Scene {
     /// # Errors
     /// When the view is closed already.
     pub fn close_view(&mut self, view: ViewId) -> Result<(), ViewError> {
-        self.views.remove(view.0).ok_or(ViewError::Closed)?;
+        self.view_mut(view)?;
+        self.views.remove(view.number);
         self.evict();
         Ok(())
     }
 
     fn view_mut(&mut self, view: ViewId) -> Result<&mut View, ViewError> {
-        self.views.get_mut(view.0).ok_or(ViewError::Closed)
+        let row = self.views.get_mut(view.number);
+        row.filter(|row| row.generation == view.generation).ok_or(ViewError::Closed)
     }
 
     /// Replaces the rules of a view. What other rules now serve is compiled again when a
@@ -125,6 +130,8 @@ impl Scene {
     /// # Errors
     /// When the view is closed.
     pub fn cancel_token(&self, view: ViewId) -> Result<CancelToken, ViewError> {
-        Ok(self.views.get(view.0).ok_or(ViewError::Closed)?.cancel.clone())
+        let row = self.views.get(view.number);
+        let row = row.filter(|row| row.generation == view.generation);
+        Ok(row.ok_or(ViewError::Closed)?.cancel.clone())
     }
 }

@@ -9,7 +9,7 @@ mod slot;
 pub use built_in::{ChildPath, Placement};
 pub(crate) use environment::{Environments, LinkFacts, LinkPushes, Pushed};
 pub use projection::Projection;
-pub(crate) use projection::ProjectionKey;
+pub(crate) use projection::{PANICKED, ProjectionKey};
 pub use reader::SlotReader;
 pub use slot::{Held, Moving, Rate, Slot};
 pub(crate) use slot::{SlotKey, SlotValue};

@@ -6,6 +6,7 @@
 
 use std::any::TypeId;
 use std::fmt;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
 use sapwood_geom::{Content, Digest, Digester};
@@ -22,18 +23,24 @@ pub trait Projection: Content + Send + Sync + 'static {
     /// The projection's name in dumps and diagnostics.
     const NAME: &'static str;
 
-    /// Computes the value; a pure function of the projection and of what it reads.
+    /// Computes the value; a pure function of the projection and of what it reads. A panic fails
+    /// the component that asked.
     fn compute(&self, slots: &mut SlotReader<'_>) -> Self::Output;
 }
 
+/// What stands for the result of a projection that panicked.
+pub(crate) const PANICKED: Digest = Digest::from_bits(0x70616e69_636b6564);
+
 /// A projection, its type forgotten.
 pub(crate) trait AnyProjection: Send + Sync {
+    /// The digest of the result, or of a panic.
     fn compute_digest(&self, slots: &mut SlotReader<'_>) -> Digest;
 }
 
 impl<P: Projection> AnyProjection for P {
     fn compute_digest(&self, slots: &mut SlotReader<'_>) -> Digest {
-        Digest::of(&self.compute(slots))
+        let result = catch_unwind(AssertUnwindSafe(|| Digest::of(&self.compute(slots))));
+        result.unwrap_or(PANICKED)
     }
 }
 
