@@ -77,7 +77,7 @@ mod tests {
         species.notes = vec![String::new(), "two\nlines".into()];
         species.scale = 0.1 + 0.2;
         species.ratio_power = 1e-20;
-        species.attraction_up = -1e30;
+        species.attraction_up = -99.999;
         species.smooth = Some(0.25);
         species.variation = Variation::Normal;
         species.attraction_target = Target::Direction(Vec3::new(1.0, -0.5, 1e7));

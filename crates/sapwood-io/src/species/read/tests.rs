@@ -88,30 +88,32 @@ fn values_out_of_range_are_told_the_range() {
     );
     check(
         "flare = nan",
-        "stick.toml:6:9: flare = nan is out of range (accepted: a number at least -1)",
+        "stick.toml:6:9: flare = nan is out of range (accepted: a number at least -1 and at most 100)",
     );
     check(
         "attraction_up = -inf",
-        "stick.toml:6:17: attraction_up = -inf is out of range (accepted: any finite number)",
+        "stick.toml:6:17: attraction_up = -inf is out of range \
+         (accepted: a number at least -100 and at most 100)",
     );
     check(
         "attraction_up = 1e39",
-        "stick.toml:6:17: attraction_up = 1e39 is out of range (accepted: any finite number)",
+        "stick.toml:6:17: attraction_up = 1e39 is out of range \
+         (accepted: a number at least -100 and at most 100)",
     );
     check(
         "lobes = 99999999999999999999",
         "stick.toml:6:9: lobes = 99999999999999999999 is out of range \
-         (accepted: a whole number, at least 0)",
+         (accepted: a whole number from 0 to 1000)",
     );
     check(
         "[level.2]\ncurve_res = 2.5",
         "stick.toml:7:13: level.2.curve_res = 2.5 is out of range \
-         (accepted: a whole number, at least 1)",
+         (accepted: a whole number from 1 to 1000)",
     );
     check(
         "[ext.tree_gen]\ntropism = [0, 1]",
         "stick.toml:7:11: ext.tree_gen.tropism = [0, 1] is out of range \
-         (accepted: a list of 3 numbers)",
+         (accepted: a list of 3 numbers, each from -100 to 100)",
     );
     check(
         "attraction_target = [0, 0, 0.0]",
@@ -132,17 +134,23 @@ fn what_is_accepted_depends_on_the_origin() {
     check(
         negative,
         "stick.toml:7:15: trunk.base_splits = -2 is out of range \
-         (accepted: a whole number, at least 0)",
+         (accepted: a whole number from 0 to 100)",
     );
 }
 
 #[test]
 fn wrong_types_are_told_the_right_one() {
-    check("flare = 'big'", "stick.toml:6:9: flare takes a number at least -1, not the text 'big'");
-    check("flare = true", "stick.toml:6:9: flare takes a number at least -1, not true");
+    check(
+        "flare = 'big'",
+        "stick.toml:6:9: flare takes a number at least -1 and at most 100, not the text 'big'",
+    );
+    check(
+        "flare = true",
+        "stick.toml:6:9: flare takes a number at least -1 and at most 100, not true",
+    );
     check(
         "flare = 1979-05-27",
-        "stick.toml:6:9: flare takes a number at least -1, not a date or time",
+        "stick.toml:6:9: flare takes a number at least -1 and at most 100, not a date or time",
     );
     check("notes = 'x'", "stick.toml:6:9: notes takes a list of texts, not the text 'x'");
     check("notes = ['x', 7]", "stick.toml:6:15: notes takes a list of texts, not the number 7");

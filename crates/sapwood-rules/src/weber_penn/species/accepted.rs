@@ -5,16 +5,16 @@ use std::fmt;
 use super::choices::{LeafShape, LeafTarget, Origin, Target};
 use super::value::{Field, Value, number, whole};
 
-/// The values that a key accepts; numbers must be finite besides.
+/// The values that a key accepts. The ends of ranges are finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Accepted {
     /// A number from `min` to `max`, either end of which may be left out of the range.
     Number {
-        /// The least number, or minus infinity.
+        /// The least number.
         min: f32,
         /// Whether `min` itself is too small.
         above_min: bool,
-        /// The greatest number, or infinity.
+        /// The greatest number.
         max: f32,
         /// Whether `max` itself is too great.
         below_max: bool,
@@ -36,9 +36,9 @@ pub enum Accepted {
     Numbers {
         /// How many.
         len: usize,
-        /// The least number, or minus infinity.
+        /// The least number.
         min: f32,
-        /// The greatest number, or infinity.
+        /// The greatest number.
         max: f32,
     },
     /// A name of a leaf shape.
@@ -56,9 +56,7 @@ impl Accepted {
     pub fn accepts(&self, value: &Value, origin: Origin) -> bool {
         match self {
             Self::Number { min, above_min, max, below_max } => number(value).is_some_and(|x| {
-                x.is_finite()
-                    && (x > *min || !above_min && x == *min)
-                    && (x < *max || !below_max && x == *max)
+                (x > *min || !above_min && x == *min) && (x < *max || !below_max && x == *max)
             }),
             Self::Whole { min, max } => whole(value).is_some_and(|x| (*min..=*max).contains(&x)),
             Self::Text => matches!(value, Value::Text(_)),
@@ -68,7 +66,7 @@ impl Accepted {
             }
             Self::Numbers { len, min, max } => matches!(value, Value::Numbers(numbers)
                 if numbers.len() == *len
-                    && numbers.iter().all(|x| x.is_finite() && min <= x && x <= max)),
+                    && numbers.iter().all(|x| min <= x && x <= max)),
             Self::LeafShape => matches!(value, Value::Text(name)
                 if LeafShape::from_name(name, origin).is_some()),
             Self::Target => Target::from_value(value).is_some(),
@@ -83,19 +81,7 @@ impl fmt::Display for Accepted {
             Self::Number { min, above_min, max, below_max } => {
                 let low = if above_min { "above" } else { "at least" };
                 let high = if below_max { "below" } else { "at most" };
-                match (min.is_finite(), max.is_finite()) {
-                    (false, false) => write!(f, "any finite number"),
-                    (true, false) => write!(f, "a number {low} {min}"),
-                    (false, true) => write!(f, "a number {high} {max}"),
-                    (true, true) => write!(f, "a number {low} {min} and {high} {max}"),
-                }
-            }
-            Self::Whole { min, max } if max >= i64::from(i32::MAX) => {
-                if min <= i64::from(i32::MIN) {
-                    write!(f, "a whole number")
-                } else {
-                    write!(f, "a whole number, at least {min}")
-                }
+                write!(f, "a number {low} {min} and {high} {max}")
             }
             Self::Whole { min, max } => write!(f, "a whole number from {min} to {max}"),
             Self::Text => write!(f, "a text"),
@@ -107,12 +93,7 @@ impl fmt::Display for Accepted {
                 })
             }
             Self::Numbers { len, min, max } => {
-                write!(f, "a list of {len} numbers")?;
-                match (min.is_finite(), max.is_finite()) {
-                    (false, false) => Ok(()),
-                    (true, false) => write!(f, ", each at least {min}"),
-                    (_, true) => write!(f, ", each from {min} to {max}"),
-                }
+                write!(f, "a list of {len} numbers, each from {min} to {max}")
             }
             Self::LeafShape => {
                 write!(f, "the name of a leaf shape:")?;

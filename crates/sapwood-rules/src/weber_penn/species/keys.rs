@@ -3,6 +3,9 @@
 //! One row per key, in the order in which a file is written. Reading text is left to others: they
 //! look a key up by its dotted name, hand it a [`Value`], and report the [`Fault`] at the place
 //! they know. A species built in code is checked by [`Species::faults`].
+//!
+//! Every range has two ends. Where the model sets none, the end lies far beyond any tree: it is
+//! there to refuse slips of the pen, not to keep growth small, which is what budgets do.
 
 use std::fmt;
 
@@ -109,25 +112,29 @@ impl Species {
     }
 }
 
-const INF: f32 = f32::INFINITY;
-const ANY: Accepted = at_least(-INF);
-const ANY_WHOLE: Accepted = whole_from(i32::MIN as i64, i32::MAX as i64);
-const COUNT: Accepted = whole_from(0, i32::MAX as i64);
-const ABOVE_ZERO: Accepted =
-    Accepted::Number { min: 0.0, above_min: true, max: INF, below_max: false };
 const ANGLE: Accepted = range(-180.0, 180.0);
 const TURN: Accepted = range(-360.0, 360.0);
+/// A bend over a whole stem, up to a hundred times round.
+const BEND: Accepted = range(-36_000.0, 36_000.0);
 const SHARE: Accepted = range(0.0, 1.0);
+/// Lengths in metres.
+const SIZE: Accepted = above_zero(1_000.0);
+const SIZE_V: Accepted = range(0.0, 1_000.0);
+/// Factors, and what varies them.
+const FACTOR: Accepted = above_zero(100.0);
+const FACTOR_V: Accepted = range(0.0, 100.0);
+const SIGNED_FACTOR: Accepted = range(-100.0, 100.0);
+/// Stems or leaves on one stem; negative: a fan.
+const CHILDREN: Accepted = whole_from(-100_000, 100_000);
 const TAPER: Accepted = Accepted::Number { min: 0.0, above_min: false, max: 3.0, below_max: true };
-const QUALITY: Accepted =
-    Accepted::Number { min: 0.0, above_min: true, max: 1.0, below_max: false };
+const QUALITY: Accepted = above_zero(1.0);
 
 const fn range(min: f32, max: f32) -> Accepted {
     Accepted::Number { min, above_min: false, max, below_max: false }
 }
 
-const fn at_least(min: f32) -> Accepted {
-    range(min, INF)
+const fn above_zero(max: f32) -> Accepted {
+    Accepted::Number { min: 0.0, above_min: true, max, below_max: false }
 }
 
 const fn whole_from(min: i64, max: i64) -> Accepted {
@@ -188,7 +195,7 @@ macro_rules! table {
                 $level_accepted, None, $level_tree_gen,
                 level[0].$level_field
             ),)*
-            row!("level.0.branch_dist", at_least(0.0), None, None, level[0].branch_dist),
+            row!("level.0.branch_dist", SIZE_V, None, None, level[0].branch_dist),
             $(row!(
                 concat!("level.1.", $level_key),
                 $level_accepted, None, $level_tree_gen,
@@ -223,63 +230,63 @@ table! {
         "attraction_target": Accepted::Target, None, None, (attraction_target);
         "shape": whole_from(0, 8), None, None, (shape);
         "base_size": SHARE, None, None, (base_size);
-        "scale": ABOVE_ZERO, None, None, (scale);
-        "scale_v": at_least(0.0), None, None, (scale_v);
-        "z_scale": ANY, None, None, (z_scale);
-        "z_scale_v": ANY, None, None, (z_scale_v);
+        "scale": SIZE, None, None, (scale);
+        "scale_v": SIZE_V, None, None, (scale_v);
+        "z_scale": range(-1_000.0, 1_000.0), None, None, (z_scale);
+        "z_scale_v": range(-1_000.0, 1_000.0), None, None, (z_scale_v);
         "levels": whole_from(1, 9), or(whole_from(0, 9)), None, (levels);
-        "ratio": ABOVE_ZERO, None, None, (ratio);
-        "ratio_power": ANY, None, None, (ratio_power);
-        "lobes": COUNT, None, None, (lobes);
-        "lobe_depth": at_least(0.0), None, None, (lobe_depth);
-        "flare": at_least(-1.0), None, None, (flare);
-        "attraction_up": ANY, None, None, (attraction_up);
+        "ratio": above_zero(10.0), None, None, (ratio);
+        "ratio_power": SIGNED_FACTOR, None, None, (ratio_power);
+        "lobes": whole_from(0, 1_000), None, None, (lobes);
+        "lobe_depth": FACTOR_V, None, None, (lobe_depth);
+        "flare": range(-1.0, 100.0), None, None, (flare);
+        "attraction_up": SIGNED_FACTOR, None, None, (attraction_up);
         "smooth": SHARE, None, None, (smooth);
-        "trunk.scale": ABOVE_ZERO, None, None, (trunk.scale);
-        "trunk.scale_v": at_least(0.0), None, None, (trunk.scale_v);
-        "trunk.base_splits": COUNT, None, or(ANY_WHOLE), (trunk.base_splits);
-        "leaves.count": ANY_WHOLE, None, None, (leaves.count);
+        "trunk.scale": FACTOR, None, None, (trunk.scale);
+        "trunk.scale_v": FACTOR_V, None, None, (trunk.scale_v);
+        "trunk.base_splits": whole_from(0, 100), None, or(whole_from(-100, 100)), (trunk.base_splits);
+        "leaves.count": CHILDREN, None, None, (leaves.count);
         "leaves.shape": Accepted::LeafShape, None, None, (leaves.shape);
-        "leaves.scale": ABOVE_ZERO, None, None, (leaves.scale);
-        "leaves.scale_x": ABOVE_ZERO, None, None, (leaves.scale_x);
+        "leaves.scale": above_zero(100.0), None, None, (leaves.scale);
+        "leaves.scale_x": FACTOR, None, None, (leaves.scale_x);
         "leaves.bend": SHARE, None, None, (leaves.bend);
-        "leaves.stem_len": ANY, None, None, (leaves.stem_len);
+        "leaves.stem_len": SIGNED_FACTOR, None, None, (leaves.stem_len);
         "leaves.distrib": whole_from(0, 8), None, None, (leaves.distrib);
         "leaves.quality": QUALITY, None, None, (leaves.quality);
-        "leaves.attraction": ANY, None, None, (leaves.attraction);
+        "leaves.attraction": SIGNED_FACTOR, None, None, (leaves.attraction);
         "leaves.target": Accepted::LeafTarget, None, None, (leaves.target);
         "pruning.ratio": SHARE, None, None, (pruning.ratio);
         "pruning.width": SHARE, None, None, (pruning.width);
         "pruning.width_peak": SHARE, None, None, (pruning.width_peak);
-        "pruning.power_low": at_least(0.0), None, None, (pruning.power_low);
-        "pruning.power_high": at_least(0.0), None, None, (pruning.power_high);
+        "pruning.power_low": FACTOR_V, None, None, (pruning.power_low);
+        "pruning.power_high": FACTOR_V, None, None, (pruning.power_high);
     }
     level: {
         "down_angle": ANGLE, None, down_angle;
         "down_angle_v": ANGLE, None, down_angle_v;
         "rotate": TURN, None, rotate;
         "rotate_v": TURN, None, rotate_v;
-        "branches": ANY_WHOLE, None, branches;
-        "length": at_least(0.0), None, length;
-        "length_v": at_least(0.0), None, length_v;
+        "branches": CHILDREN, None, branches;
+        "length": FACTOR_V, None, length;
+        "length_v": FACTOR_V, None, length_v;
         "taper": TAPER, None, taper;
-        "seg_splits": at_least(0.0), None, seg_splits;
+        "seg_splits": FACTOR_V, None, seg_splits;
         "split_angle": range(0.0, 180.0), or(ANGLE), split_angle;
         "split_angle_v": range(0.0, 180.0), or(ANGLE), split_angle_v;
-        "curve_res": whole_from(1, i32::MAX as i64), None, curve_res;
-        "curve": ANY, None, curve;
-        "curve_back": ANY, None, curve_back;
-        "curve_v": at_least(-90.0), None, curve_v;
+        "curve_res": whole_from(1, 1_000), None, curve_res;
+        "curve": BEND, None, curve;
+        "curve_back": BEND, None, curve_back;
+        "curve_v": range(-90.0, 36_000.0), None, curve_v;
     }
     ext: {
         "base_size": list(4, 0.0, 1.0), base_size;
-        "bend_v": list(4, -INF, INF), bend_v;
-        "branch_dist": list(4, 0.0, INF), branch_dist;
-        "radius_mod": list(4, 0.0, INF), radius_mod;
-        "tropism": list(3, -INF, INF), tropism;
-        "blossom_rate": ANY, blossom_rate;
-        "blossom_scale": ANY, blossom_scale;
-        "blossom_shape": ANY_WHOLE, blossom_shape;
+        "bend_v": list(4, -36_000.0, 36_000.0), bend_v;
+        "branch_dist": list(4, 0.0, 1_000.0), branch_dist;
+        "radius_mod": list(4, 0.0, 100.0), radius_mod;
+        "tropism": list(3, -100.0, 100.0), tropism;
+        "blossom_rate": SHARE, blossom_rate;
+        "blossom_scale": FACTOR_V, blossom_scale;
+        "blossom_shape": whole_from(-1_000, 1_000), blossom_shape;
     }
 }
 
@@ -349,20 +356,42 @@ mod tests {
         };
         check("shape", &[0.0, 8.0], &[-1.0, 9.0, 0.5]);
         check("base_size", &[0.0, 1.0], &[-0.01, 1.01]);
-        check("scale", &[0.01], &[0.0, -1.0]);
+        check("scale", &[0.01, 1e3], &[0.0, -1.0, 1001.0]);
         check("levels", &[1.0, 9.0], &[0.0, 10.0]);
-        check("flare", &[-1.0, 10.0], &[-1.01]);
-        check("lobes", &[0.0, 10.0], &[-1.0, 1e20]);
-        check("trunk.base_splits", &[0.0, 3.0], &[-2.0]);
-        check("leaves.count", &[-20.0, 400.0], &[0.5, 1e20]);
+        check("flare", &[-1.0, 10.0], &[-1.01, 101.0]);
+        check("lobes", &[0.0, 10.0], &[-1.0, 1001.0, 1e20]);
+        check("trunk.base_splits", &[0.0, 3.0], &[-2.0, 101.0]);
+        check("leaves.count", &[-20.0, 400.0], &[0.5, 100_001.0, 1e20]);
         check("leaves.quality", &[0.01, 1.0], &[0.0, 1.01]);
         check("level.1.taper", &[0.0, 2.999], &[-0.1, 3.0]);
-        check("level.2.curve_v", &[-90.0, 500.0], &[-90.1]);
-        check("level.3.curve_res", &[1.0], &[0.0]);
+        check("level.2.curve_v", &[-90.0, 500.0], &[-90.1, 36_001.0]);
+        check("level.3.curve_res", &[1.0, 1e3], &[0.0, 1001.0]);
+        check("level.1.seg_splits", &[0.0, 100.0], &[-0.1, 1e30]);
         check("level.0.branch_dist", &[0.0, 5.0], &[-0.1]);
         check("level.1.branch_dist", &[0.0, 1.0], &[1.1]);
         check("level.1.split_angle", &[0.0, 180.0], &[-80.0]);
         check("level.1.down_angle_v", &[-50.0], &[-181.0]);
+    }
+
+    #[test]
+    fn every_range_has_two_ends() {
+        for key in keys() {
+            for (origin, dialect) in [
+                (Origin::Paper, Dialect::Paper),
+                (Origin::Arbaro, Dialect::Arbaro),
+                (Origin::TreeGen, Dialect::TreeGen),
+            ] {
+                let ends = match key.accepted(origin, dialect) {
+                    Accepted::Number { min, max, .. } | Accepted::Numbers { min, max, .. } => {
+                        [min, max]
+                    }
+                    Accepted::Whole { min, max } => [min as f32, max as f32],
+                    _ => continue,
+                };
+                let sensible = ends.iter().all(|end| end.abs() <= 1e5) && ends[0] < ends[1];
+                assert!(sensible, "{}: {ends:?}", key.name());
+            }
+        }
     }
 
     #[test]
