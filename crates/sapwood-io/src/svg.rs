@@ -265,14 +265,13 @@ impl Frame {
 /// The largest 1, 2 or 5 times a power of ten that is at most `limit`; at least a tenth of a
 /// millimetre.
 fn round_length(limit: f32) -> f32 {
-    let mut step = 0;
-    // In tenths of millimetres, then divided: so the length prints as a short decimal.
-    let length = |step: i32| [1.0, 2.0, 5.0][step as usize % 3] * 10f32.powi(step / 3) / 1e4;
-    while step < 36 && length(step + 1) <= limit {
-        step += 1;
-    }
-    length(step)
+    let lengths = (0..36).map(|step| [1.0, 2.0, 5.0][step % 3] * POWERS_OF_TEN[step / 3] / 1e4);
+    lengths.take_while(|length| *length <= limit).last().unwrap_or(1e-4)
 }
+
+/// A table, for `powi` may round differently from one build to another. Ruler lengths are counted
+/// in tenths of millimetres by it, then divided: so they print as short decimals.
+const POWERS_OF_TEN: [f32; 12] = [1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11];
 
 /// A command letter and two numbers; a minus sign separates as well as a space.
 fn write_pair(text: &mut String, letter: &str, x: i64, y: i64) {

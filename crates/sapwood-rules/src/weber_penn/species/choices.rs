@@ -90,7 +90,8 @@ impl CrownShape {
     }
 }
 
-/// The outline of a leaf; all are one unit long and wide before scaling.
+/// The outline of a leaf, one unit long and at most as wide before scaling: elliptic leaves are
+/// half as wide, linear ones an eighth.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum LeafShape {
     /// An oval, drawn as a hexagon.

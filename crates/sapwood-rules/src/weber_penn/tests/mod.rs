@@ -1,4 +1,4 @@
-//! Tests of whole trees: growing them level by level, as the rules will.
+//! Tests of whole trees: growing them level by level, as the rules do.
 
 mod counts;
 mod dialects;
