@@ -5,8 +5,8 @@
 use std::error::Error;
 use std::path::PathBuf;
 
-use sapwood::geom::Mesh;
-use sapwood::geom::glam::{Affine3, Quat, Vec2, Vec3};
+use sapwood::geom::glam::{Affine3, Quat, Vec3};
+use sapwood::geom::{Cap, Mesh, Ring, Section, Sweep, SweepOptions};
 use sapwood::graph::Material;
 use sapwood::scene::{Action, Group, HeldGeometry, Scene, Transform};
 
@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut scene = Scene::new();
     let gate = scene.add(Group);
     let granite = Material::matte("granite", 0.35, 0.34, 0.33);
-    let stone = scene.add(HeldGeometry::new(cuboid(Vec3::new(0.6, 1.8, 0.5)), granite));
+    let stone = scene.add(HeldGeometry::new(stone(), granite));
     for x in [-1.2, 1.2] {
         let place = scene.add_to(gate, Transform::translation(x, 0.9, 0.0))?;
         scene.append(place, stone)?;
@@ -37,10 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // The stone stands at three places and was compiled once. After an edit, only what the
     // edit concerns is compiled again.
     scene.edit(lintel, |place| *place = Transform(lying(2.1)))?;
-    println!(
-        "\nWith the lintel let down on the stones, it is {:.2} m high.",
-        scene.bounds(view)?.aabb.size().y
-    );
+    println!("\nAfter the edit it is {:.2} m high.", scene.bounds(view)?.aabb.size().y);
     tell_compiled(&mut scene, "after the edit");
 
     // Gates can stand in other gates, but an edge that would close a cycle is refused.
@@ -50,15 +47,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("\nRefused: {refusal}.");
     }
 
-    let list = scene.draw_list(view, 1_000)?;
     let path = folder.join("hello_scene.glb");
-    sapwood::io::write_glb(&path, &list)?;
-    println!(
-        "\n{} meshes at {} places: {}",
-        list.bodies.len(),
-        list.occurrences.len(),
-        path.display()
-    );
+    sapwood::io::write_glb(&path, &scene.draw_list(view, 1_000)?)?;
+    println!("\nWritten to {}", path.display());
     Ok(())
 }
 
@@ -76,20 +67,11 @@ fn tell_compiled(scene: &mut Scene, when: &str) {
     println!("Compiled {when}: {}", kinds.join(", "));
 }
 
-/// A box of this size about the origin.
-fn cuboid(size: Vec3) -> Mesh {
-    let mut mesh = Mesh::default();
-    for normal in [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Y, Vec3::NEG_Z] {
-        let across = normal.any_orthonormal_vector();
-        let up = normal.cross(across);
-        let first = mesh.positions.len() as u32;
-        for (u, v) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
-            mesh.positions.push((normal + u * across + v * up) * 0.5 * size);
-            mesh.normals.push(normal);
-            mesh.uvs.push(Vec2::new(u + 1.0, 1.0 - v) * 0.5);
-        }
-        // Counter-clockwise seen from outside.
-        mesh.indices.extend([0, 1, 2, 0, 2, 3].map(|corner| first + corner));
-    }
+/// A round stone standing on its end, about the origin.
+fn stone() -> Mesh {
+    let rings = [Vec3::Y * -0.9, Vec3::Y * 0.9].map(|center| Ring { center, radius: 0.3 });
+    let (section, mut sweep, mut mesh) = (Section::round(24), Sweep::default(), Mesh::default());
+    sweep.lay(&section, &rings, &SweepOptions { base: Cap::Flat, ..SweepOptions::default() });
+    sweep.write(&section, &mut mesh);
     mesh
 }
