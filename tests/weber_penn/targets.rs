@@ -132,3 +132,26 @@ fn leaves_alone_turn_to_their_own_target() {
     let ran = compiled(&mut tree.scene, tree.view);
     assert_eq!(ran, [("leaves", 6), ("transform", 1), ("tree", 1)]);
 }
+
+#[test]
+fn a_target_of_a_tree_without_an_extent_is_an_error_until_it_is_scaled_up() {
+    let flat = Affine3::from_scale(Vec3::new(1.0, 0.0, 1.0));
+    for (target, leaf_target) in [
+        (Target::Direction(Vec3::X), LeafTarget::Outward),
+        (Target::Point(Vec3::X), LeafTarget::Outward),
+        (Target::Up, LeafTarget::Point(Vec3::X)),
+    ] {
+        let mut tree = placed(&attracted(target, leaf_target), flat);
+        tree.scene.bounds(tree.view).unwrap();
+        let found = tree.scene.diagnostics(tree.view, 2).unwrap();
+        let [(_, error)] = found.as_slice() else { panic!("{found:?}") };
+        let text = error.to_string();
+        assert!(text.contains("cannot turn toward a target in the world"), "{text}");
+        tree.scene.edit(tree.place, |place| place.0 = turned()).unwrap();
+        assert!(!tree.scene.bounds(tree.view).unwrap().is_empty());
+        assert_eq!(tree.scene.diagnostics(tree.view, 2).unwrap(), []);
+    }
+    let mut tree = placed(&attracted(Target::Up, LeafTarget::Outward), flat);
+    tree.scene.bounds(tree.view).unwrap();
+    assert_eq!(tree.scene.diagnostics(tree.view, 2).unwrap(), [], "no target, no error");
+}

@@ -63,6 +63,11 @@ impl Rule for TreeRule {
             (Target::Up, LeafTarget::Outward | LeafTarget::Scattered) => (Target::Up, leaf_target),
             _ => {
                 let to_tree = (*cx.read::<Placement>() * upright).inverse();
+                if !to_tree.is_finite() {
+                    return Err(RuleError::Failed(
+                        "a tree scaled to nothing cannot turn toward a target in the world".into(),
+                    ));
+                }
                 (stem_target_in(&crown.target, &to_tree), leaf_target_in(&leaf_target, &to_tree))
             }
         };
