@@ -73,3 +73,13 @@ fn every_compile_step_has_a_file() {
         assert!(root().join(&path).exists(), "{path}");
     }
 }
+
+#[test]
+fn every_file_of_the_compiler_is_named() {
+    let named = quoted(&read("docs/architecture.md"));
+    for entry in std::fs::read_dir(root().join("crates/sapwood-scene/src/compile")).unwrap() {
+        let file = entry.unwrap().file_name().into_string().unwrap();
+        let Some(step) = file.strip_suffix(".rs").filter(|step| *step != "mod") else { continue };
+        assert!(named.iter().any(|name| name == step || *name == file), "{file} is not named");
+    }
+}
