@@ -91,7 +91,8 @@ fn growth_ends_where_the_caller_says_so() {
     let mut charge = |n: usize| left.checked_sub(n).map(|rest| left = rest).ok_or("too many");
     assert_eq!(charged(&species, 1, &mut charge).err(), Some("too many"));
     // Far beyond what files may say, for a species can be built in code.
-    let beyond: [(&str, fn(&mut Species)); 8] = [
+    type Set = fn(&mut Species);
+    let beyond: [(&str, Set); 8] = [
         ("trunks", |species| species.level[0].branches = i32::MAX),
         ("branches", |species| species.level[1].branches = i32::MAX),
         ("a fan", |species| species.level[1].branches = i32::MIN),
