@@ -10,6 +10,7 @@ use sapwood_graph::{
 use smallvec::SmallVec;
 
 use super::cache::{Cache, Link, Target};
+use super::resolve::Standing;
 use crate::rules::{NO_SCOPE, Scope};
 use crate::semantic::Graph;
 use crate::slots::{Environments, LinkFacts, LinkPushes, Pushed, SlotKey, SlotValue};
@@ -139,19 +140,21 @@ impl Supply for Pull<'_> {
                 Some(bound) => (env, Supplied::Foreseen(bound)),
                 None => (env, Supplied::Unknown),
             },
-            // Below a settled site everything was found right when it was settled.
-            Link::Site(child) if self.is_settled(site) => (env, Supplied::Ready(*child)),
             Link::Site(child) => {
-                if !self.is_current(*child) {
-                    return (env, Supplied::Previous(*child));
-                }
-                let reads_nothing = self.cache.sites[child.0].key.is_empty();
-                if reads_nothing && self.is_settled(*child) {
+                let Standing { is_current, is_settled } = self.standing(*child);
+                if is_current && is_settled && self.cache.sites[child.0].key.is_empty() {
                     return (env, Supplied::Ready(*child));
+                }
+                // Below a settled site everything was found right when it was settled.
+                if self.is_settled(site) {
+                    return (env, Supplied::Ready(*child));
+                }
+                if !is_current {
+                    return (env, Supplied::Previous(*child));
                 }
                 let facts = self.facts(site, link);
                 let inherits = self.inherits(site, facts, *child);
-                if inherits && self.is_settled(*child) {
+                if inherits && is_settled {
                     return (env, Supplied::Ready(*child));
                 }
                 let child_env = {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use sapwood_graph::{Kind, SiteId};
+use sapwood_graph::{Kind, SiteId, Supply};
 
 use super::cache::{Cache, KnownRule, Target};
 use super::pull::Pull;
@@ -69,24 +69,41 @@ impl Pull<'_> {
     }
 
     /// Whether a site's plan is the one that its component and the view's rules ask for, its
-    /// reads left aside.
-    pub(super) fn is_current(&self, site: SiteId) -> bool {
-        let plan = self.cache.plan_of(site);
-        let revision = match plan.target {
-            Target::View(_) => return true,
-            Target::Authored(node) => match self.graph.node(node) {
-                Ok(node) => node.edited,
-                Err(_) => return false,
-            },
-            Target::Emitted(_) => plan.revision,
+    /// reads left aside; and whether everything below it is settled. One look-up for both, for
+    /// this is asked of every sibling of what was edited.
+    pub(super) fn standing(&self, site: SiteId) -> Standing {
+        let row = &self.cache.sites[site.0];
+        let plan = &self.cache.plans[row.plan];
+        let (is_current, edited_below) = match plan.target {
+            Target::View(_) => {
+                return Standing { is_current: true, is_settled: self.is_settled(site) };
+            }
+            Target::Authored(node) => {
+                let Ok(node) = self.graph.node(node) else {
+                    return Standing { is_current: false, is_settled: false };
+                };
+                let rule = self.view.authored_rules.get(node.component.kind as usize);
+                let is_served = rule.copied().flatten() == Some(plan.rule);
+                (is_served && plan.revision == node.edited, node.edited_below)
+            }
+            Target::Emitted(_) => (self.rule_for(plan.target) == Some(plan.rule), 0),
         };
-        plan.revision == revision && self.rule_for(plan.target) == Some(plan.rule)
+        let required = edited_below.max(self.view.rules_since);
+        Standing { is_current, is_settled: row.is_closed && row.verified >= required }
     }
 
     /// The revision that everything below a site must have been brought up to.
     pub(super) fn required(&self, site: SiteId) -> u64 {
         required(self.graph, self.view, self.cache.plan_of(site).target)
     }
+}
+
+/// How a site stands towards its component.
+pub(super) struct Standing {
+    /// Whether its plan is the one that the component and the rules ask for.
+    pub(super) is_current: bool,
+    /// Whether everything below it is compiled and up to date.
+    pub(super) is_settled: bool,
 }
 
 fn required(graph: &Graph, view: &View, target: Target) -> u64 {
