@@ -30,7 +30,8 @@ mod sealed {
 /// A typed value that is inherited from above.
 ///
 /// A held slot is pushed by attributes and rules for everything below them. What is pushed
-/// replaces what was inherited, unless the slot merges.
+/// replaces what was inherited, unless the slot merges. The functions of a slot, and the content
+/// of its values, must not panic: they run outside of any rule.
 pub trait Slot: 'static {
     /// The type of the values.
     type Value: Content + Send + Sync + 'static;
