@@ -8,8 +8,8 @@ use sapwood_geom::glam::Affine3;
 
 use crate::{Fragment, Kind, Parts};
 
-/// A plan in a context; what walks step on. Valid until the next [`Provide::provide`] of
-/// another traversal.
+/// A plan in a context; what walks step on. Valid within one traversal: afterwards numbers
+/// may be used again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct SiteId(pub u32);
 

@@ -83,7 +83,7 @@ impl Pull<'_> {
         let was_on = std::mem::replace(&mut self.cache.log.is_on, false);
         let limits = self.limits().without_budget();
         let again = self.init(target, rule, env, &limits);
-        let again = again.and_then(|draft| self.publish_unlimited(target, rule, revision, draft));
+        let again = again.map(|draft| self.publish_unlimited(target, rule, revision, draft));
         self.cache.log.is_on = was_on;
         let again = again?;
         let is_same = {

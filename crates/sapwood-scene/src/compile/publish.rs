@@ -22,7 +22,7 @@ impl Pull<'_> {
         limits.check_triangles(draft.fragment.n_triangles(), component)?;
         limits.check_parts(draft.tables.parts.len() as u64, component)?;
         limits.check_plans(1, component)?;
-        self.publish_unlimited(target, rule, revision, draft)
+        Ok(self.publish_unlimited(target, rule, revision, draft))
     }
 
     /// As [`publish`](Self::publish), whatever the budget says.
@@ -32,7 +32,7 @@ impl Pull<'_> {
         rule: u32,
         revision: u64,
         draft: Draft,
-    ) -> Result<u32, Interrupted> {
+    ) -> u32 {
         let Draft { fragment, tables, data, slots, error } = draft;
         let links = tables.links.into_iter().map(|link| {
             let target = match link.target {
@@ -53,7 +53,7 @@ impl Pull<'_> {
         let data = data.map(|data| column.insert_boxed(data));
         self.cache.triangles += fragment.n_triangles();
         self.cache.n_parts += tables.parts.len() as u64;
-        Ok(self.cache.plans.insert(Plan {
+        self.cache.plans.insert(Plan {
             target,
             rule,
             revision,
@@ -66,7 +66,7 @@ impl Pull<'_> {
             slots,
             data,
             error,
-        }))
+        })
     }
 
     /// The emitted component with this content: the one that is there, or this one.

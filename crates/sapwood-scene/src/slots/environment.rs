@@ -39,8 +39,7 @@ pub(crate) struct LinkFacts {
 
 /// What a link does to the slots of whoever is behind it.
 pub(crate) trait LinkPushes {
-    /// The value that stands for `slot` behind a link, given a way to ask for the inherited
-    /// one's value if needed: `None` when the link leaves the slot alone.
+    /// What a link pushes of `slot`.
     fn push(&self, site: SiteId, link: u32, slot: SlotKey) -> Pushed<'_>;
 
     /// The key of the child behind a link.
