@@ -192,6 +192,44 @@ impl Bound {
     }
 }
 
+/// Bounds of what turns.
+impl Bound {
+    /// A bound of the same points, turned about the origin in any way.
+    pub fn turned_about_origin(&self) -> Self {
+        if self.is_empty() {
+            return Self::EMPTY;
+        }
+        let sphere = self.sphere.center.length() + self.sphere.radius;
+        let corner = self.aabb.min.abs().max(self.aabb.max.abs()).length();
+        let radius = outward(sphere.min(corner));
+        let (min, max) = (Vec3::splat(-radius), Vec3::splat(radius));
+        Self { aabb: Aabb { min, max }, sphere: Sphere { center: Vec3::ZERO, radius } }
+    }
+
+    /// A bound of the same points, turned by any angle about the line through the origin along
+    /// `axis`, which has unit length.
+    pub fn turned_about_axis(&self, axis: Vec3) -> Self {
+        if self.is_empty() {
+            return Self::EMPTY;
+        }
+        let Sphere { center, radius } = self.sphere;
+        let along = center.dot(axis);
+        // Everything lies in a cylinder about the axis, and in a sphere about its middle.
+        let away = (center - axis * along).length() + radius;
+        let ends = [axis * (along - radius), axis * (along + radius)];
+        let square = |along: f32| libm::sqrtf((1.0 - along * along).max(0.0));
+        let reach = Vec3::new(square(axis.x), square(axis.y), square(axis.z)) * outward(away);
+        let min = ends[0].min(ends[1]) - reach;
+        let max = ends[0].max(ends[1]) + reach;
+        let around = Sphere { center: axis * along, radius: outward(away) };
+        let slack = Vec3::splat(4.0 * f32::EPSILON * (along.abs() + radius));
+        let all = self.turned_about_origin();
+        let aabb =
+            Aabb { min: (min - slack).max(all.aabb.min), max: (max + slack).min(all.aabb.max) };
+        Self { aabb, sphere: if around.radius < all.sphere.radius { around } else { all.sphere } }
+    }
+}
+
 impl Content for Bound {
     fn write(&self, digester: &mut Digester) {
         self.aabb.min.write(digester);

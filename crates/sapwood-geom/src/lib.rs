@@ -1,4 +1,4 @@
-//! Geometry without a graph: bounds, meshes, polylines, content digests and random streams.
+//! Geometry without a graph: bounds, meshes, polylines, images, content digests and random streams.
 //!
 //! Right-handed, metres, radians. Every type is plain data; nothing here knows that a scene, a
 //! rule or a render graph exists. All arithmetic goes through `glam` with `libm` and scalar
@@ -7,6 +7,7 @@
 mod bounds;
 mod digest;
 mod fixed_map;
+mod image;
 mod mesh;
 mod polyline;
 mod section;
@@ -16,6 +17,7 @@ mod sweep;
 pub use bounds::{Aabb, Bound, Sphere};
 pub use digest::{Content, Digest, Digester, Shared};
 pub use fixed_map::{FixedMap, FixedSet, fixed_state};
+pub use image::Image;
 pub use mesh::{Mesh, SharedMesh};
 pub use polyline::Polyline;
 pub use section::Section;

@@ -5,13 +5,17 @@
 //! match [`RenderNode`] without a `_` arm, so that a new kind shows every traversal that must
 //! learn it.
 
+mod builder;
+
 use std::sync::Arc;
 
 use sapwood_geom::glam::Affine3;
 use sapwood_geom::{Bound, Content, Digester, Polyline, Shared, SharedMesh};
 use smallvec::SmallVec;
 
-use crate::{Kind, Material};
+pub use builder::FragmentBuilder;
+
+use crate::{Camera, Facing, Kind, Label, Light, Material};
 
 /// A render node as traversals see it.
 #[derive(Clone, Copy, Debug)]
@@ -23,6 +27,8 @@ pub enum RenderNode<'a> {
     /// Places its children by a value that the rule's `visit` keeps up to date: number `.0` of
     /// the site's live values.
     Live(u32),
+    /// Turns its children to whoever looks, where that is known; else leaves them as they are.
+    Facing(&'a Facing),
     /// A mesh with its material.
     Mesh {
         /// The triangles.
@@ -41,6 +47,12 @@ pub enum RenderNode<'a> {
     },
     /// Lines with radii.
     Lines(&'a Shared<Vec<Polyline>>),
+    /// A light at the node's origin.
+    Light(&'a Light),
+    /// A camera at the node's origin.
+    Camera(&'a Camera),
+    /// A line of text.
+    Label(&'a Label),
     /// Children that other plans supply.
     Deferred(Run<'a>),
 }
@@ -63,9 +75,13 @@ enum Code {
     Group,
     Transform(u32),
     Live(u32),
+    Facing(u32),
     Mesh(u32),
     Instances(u32),
     Lines(u32),
+    Light(u32),
+    Camera(u32),
+    Label(u32),
     Deferred(u32),
 }
 
@@ -76,11 +92,16 @@ struct Packed {
     span: u32,
 }
 
+/// What the less frequent kinds of nodes hold, one array for each kind.
 #[derive(Debug, Default)]
 struct Drawn {
     meshes: Vec<(SharedMesh, Arc<Material>)>,
     instances: Vec<Instanced>,
     lines: Vec<Shared<Vec<Polyline>>>,
+    facings: Vec<Facing>,
+    lights: Vec<Light>,
+    cameras: Vec<Camera>,
+    labels: Vec<Label>,
 }
 
 #[derive(Debug)]
@@ -145,24 +166,24 @@ impl Fragment {
 
     /// The node at `index`, below [`len`](Self::len).
     pub fn node(&self, index: u32) -> RenderNode<'_> {
-        let drawn = |i: u32| (self.drawn.as_deref().expect("drawn nodes have a table"), i as usize);
+        let drawn = || self.drawn.as_deref().expect("drawn nodes have a table");
         match self.nodes[index as usize].code {
             Code::Group => RenderNode::Group,
             Code::Transform(i) => RenderNode::Transform(&self.transforms[i as usize]),
             Code::Live(i) => RenderNode::Live(i),
+            Code::Facing(i) => RenderNode::Facing(&drawn().facings[i as usize]),
             Code::Mesh(i) => {
-                let (drawn, i) = drawn(i);
-                RenderNode::Mesh { mesh: &drawn.meshes[i].0, material: &drawn.meshes[i].1 }
+                let (mesh, material) = &drawn().meshes[i as usize];
+                RenderNode::Mesh { mesh, material }
             }
             Code::Instances(i) => {
-                let (drawn, i) = drawn(i);
-                let Instanced { mesh, material, transforms, .. } = &drawn.instances[i];
+                let Instanced { mesh, material, transforms, .. } = &drawn().instances[i as usize];
                 RenderNode::Instances { mesh, material, transforms }
             }
-            Code::Lines(i) => {
-                let (drawn, i) = drawn(i);
-                RenderNode::Lines(&drawn.lines[i])
-            }
+            Code::Lines(i) => RenderNode::Lines(&drawn().lines[i as usize]),
+            Code::Light(i) => RenderNode::Light(&drawn().lights[i as usize]),
+            Code::Camera(i) => RenderNode::Camera(&drawn().cameras[i as usize]),
+            Code::Label(i) => RenderNode::Label(&drawn().labels[i as usize]),
             Code::Deferred(i) => RenderNode::Deferred(self.runs[i as usize].as_run()),
         }
     }
@@ -193,7 +214,7 @@ impl Fragment {
     }
 
     /// The bound of what the node at `index` draws itself, in its own frame; nothing for nodes
-    /// that only hold or place others.
+    /// that only hold or place others, and for lights and cameras.
     pub fn drawn_bound(&self, index: u32) -> Option<Bound> {
         match (self.nodes[index as usize].code, self.drawn.as_deref()) {
             (Code::Mesh(i), Some(drawn)) => Some(*drawn.meshes[i as usize].0.bound()),
@@ -203,6 +224,7 @@ impl Fragment {
                 let points = lines.iter().flat_map(|line| line.points.iter().copied());
                 Some(Bound::of_points(points))
             }
+            (Code::Label(i), Some(drawn)) => Some(drawn.labels[i as usize].bound()),
             _ => None,
         }
     }
@@ -233,6 +255,10 @@ impl Content for Fragment {
                     digester.add(&4u8).add(mesh).add(material).add(transforms)
                 }
                 RenderNode::Lines(lines) => digester.add(&5u8).add(lines),
+                RenderNode::Facing(facing) => digester.add(&7u8).add(facing),
+                RenderNode::Light(light) => digester.add(&8u8).add(light),
+                RenderNode::Camera(camera) => digester.add(&9u8).add(camera),
+                RenderNode::Label(label) => digester.add(&10u8).add(label),
                 RenderNode::Deferred(run) => {
                     digester.add(&6u8).add(&run.first).add(&run.count).add(run.kind.name());
                     match run.foreseen {
@@ -242,189 +268,5 @@ impl Content for Fragment {
                 }
             };
         }
-    }
-}
-
-/// Builds a [`Fragment`] node by node; whoever opens a node closes it.
-pub struct FragmentBuilder {
-    fragment: Fragment,
-    open: SmallVec<[u32; 8]>,
-    /// The run at the end of the node that is open, which further children may lengthen.
-    run: Option<u32>,
-}
-
-impl FragmentBuilder {
-    /// A builder whose top group is open.
-    pub fn new() -> Self {
-        let top = Packed { code: Code::Group, span: 1 };
-        Self {
-            fragment: Fragment {
-                nodes: smallvec::smallvec![top],
-                transforms: SmallVec::new(),
-                runs: SmallVec::new(),
-                drawn: None,
-                n_links: 0,
-                n_live: 0,
-            },
-            open: smallvec::smallvec![0],
-            run: None,
-        }
-    }
-
-    fn push(&mut self, code: Code) {
-        self.run = None;
-        self.fragment.nodes.push(Packed { code, span: 1 });
-    }
-
-    fn open(&mut self, code: Code) {
-        self.open.push(self.fragment.len());
-        self.push(code);
-    }
-
-    fn drawn(&mut self) -> &mut Drawn {
-        self.fragment.drawn.get_or_insert_default()
-    }
-
-    /// Opens a transform: what follows, up to the matching [`close`](Self::close), is placed
-    /// by it.
-    pub fn open_transform(&mut self, transform: Affine3) {
-        let i = self.fragment.transforms.len() as u32;
-        self.fragment.transforms.push(transform);
-        self.open(Code::Transform(i));
-    }
-
-    /// Opens a transform whose value `visit` keeps up to date, and tells its number.
-    pub fn open_live(&mut self) -> u32 {
-        let live = self.fragment.n_live;
-        self.fragment.n_live += 1;
-        self.open(Code::Live(live));
-        live
-    }
-
-    /// Closes what was opened last.
-    ///
-    /// # Panics
-    /// When nothing is open.
-    pub fn close(&mut self) {
-        assert!(self.open.len() > 1, "a node is closed that was never opened");
-        self.run = None;
-        let index = self.open.pop().expect("the top group is open") as usize;
-        self.fragment.nodes[index].span = (self.fragment.nodes.len() - index) as u32;
-    }
-
-    /// Adds a mesh.
-    pub fn mesh(&mut self, mesh: SharedMesh, material: Arc<Material>) {
-        let drawn = self.drawn();
-        drawn.meshes.push((mesh, material));
-        let i = drawn.meshes.len() as u32 - 1;
-        self.push(Code::Mesh(i));
-    }
-
-    /// Adds a mesh repeated at each of `transforms`; costs one pass over them.
-    pub fn instances(
-        &mut self,
-        mesh: SharedMesh,
-        material: Arc<Material>,
-        transforms: Shared<Vec<Affine3>>,
-    ) {
-        let bound = mesh.bound().repeated(&transforms);
-        let drawn = self.drawn();
-        drawn.instances.push(Instanced { mesh, material, transforms, bound });
-        let i = drawn.instances.len() as u32 - 1;
-        self.push(Code::Instances(i));
-    }
-
-    /// Adds lines.
-    pub fn lines(&mut self, lines: Shared<Vec<Polyline>>) {
-        let drawn = self.drawn();
-        drawn.lines.push(lines);
-        let i = drawn.lines.len() as u32 - 1;
-        self.push(Code::Lines(i));
-    }
-
-    /// Adds a deferred child and tells its link. Children of one kind that follow each other
-    /// under one parent, without a foreseen bound, become one run.
-    pub fn deferred(&mut self, kind: Kind, foreseen: Option<Bound>) -> u32 {
-        let link = self.fragment.n_links;
-        self.fragment.n_links += 1;
-        if let (Some(i), None) = (self.run, foreseen) {
-            let run = &mut self.fragment.runs[i as usize];
-            if run.kind == kind {
-                run.count += 1;
-                return link;
-            }
-        }
-        let i = self.fragment.runs.len() as u32;
-        let foreseen = foreseen.map(Box::new);
-        let can_grow = foreseen.is_none();
-        self.fragment.runs.push(StoredRun { first: link, count: 1, kind, foreseen });
-        self.push(Code::Deferred(i));
-        self.run = can_grow.then_some(i);
-        link
-    }
-
-    /// The finished fragment; whatever is still open is closed.
-    pub fn finish(mut self) -> Fragment {
-        while self.open.len() > 1 {
-            self.close();
-        }
-        self.fragment.nodes[0].span = self.fragment.len();
-        self.fragment
-    }
-}
-
-impl Default for FragmentBuilder {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::Named;
-    use sapwood_geom::Digest;
-
-    struct Stone;
-    impl Named for Stone {
-        const NAME: &'static str = "stone";
-    }
-
-    #[test]
-    fn spans_lead_from_sibling_to_sibling() {
-        let mut builder = FragmentBuilder::new();
-        builder.open_transform(Affine3::IDENTITY);
-        assert_eq!(builder.deferred(Kind::of::<Stone>(), None), 0);
-        assert_eq!(builder.deferred(Kind::of::<Stone>(), None), 1);
-        builder.close();
-        assert_eq!(builder.deferred(Kind::of::<Stone>(), None), 2);
-        let fragment = builder.finish();
-        assert_eq!(fragment.len(), 4);
-        assert_eq!(fragment.children(0).collect::<Vec<_>>(), [1, 3]);
-        assert_eq!(fragment.children(1).collect::<Vec<_>>(), [2]);
-        assert!(matches!(fragment.node(2), RenderNode::Deferred(run) if run.count == 2));
-        assert!(matches!(fragment.node(3), RenderNode::Deferred(run) if run.first == 2));
-        let firsts = [0, 1, 2, 3].map(|link| fragment.run_of(link).map(|run| run.first));
-        assert_eq!(firsts, [Some(0), Some(0), Some(2), None]);
-    }
-
-    #[test]
-    fn structure_counts_in_the_digest() {
-        let digest = |close_early: bool| {
-            let mut builder = FragmentBuilder::new();
-            builder.open_transform(Affine3::IDENTITY);
-            if close_early {
-                builder.close();
-            }
-            builder.lines(Shared::new(vec![Polyline::default()]));
-            Digest::of(&builder.finish())
-        };
-        assert_ne!(digest(true), digest(false));
-    }
-
-    #[test]
-    #[should_panic(expected = "never opened")]
-    fn closing_too_much_is_a_programmer_error() {
-        FragmentBuilder::new().close();
     }
 }

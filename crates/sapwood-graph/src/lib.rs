@@ -5,26 +5,34 @@
 //! rules or caching: it walks whatever a `Supply` hands out, notes a [`Want`] where a link is
 //! unfilled, and asks a [`Provide`] to fill wants between walks.
 
+mod camera;
+mod facing;
 mod fragment;
 mod handlers;
 mod kind;
+mod label;
+mod light;
 mod material;
 mod parts;
 mod supply;
 mod traversals;
 mod walk;
 
+pub use camera::{Camera, Lens};
+pub use facing::{Eye, Facing};
 pub use fragment::{Fragment, FragmentBuilder, RenderNode, Run};
 pub use handlers::Handlers;
 pub use kind::{Kind, Named};
-pub use material::Material;
+pub use label::{Anchor, Label};
+pub use light::{Light, LightShape};
+pub use material::{Alpha, Material, MaterialImages};
 pub use parts::{Part, Parts};
 pub use supply::{
     Diagnostic, EnvId, Interrupted, PlanRef, Provide, SiteId, Supplied, Supply, Want,
 };
 pub use traversals::{
-    Body, CountMemo, Counts, DrawList, DrawRow, LineRow, Occurrence, TooManyRows, count,
-    diagnostics, draw_list, dump, fragment_bound,
+    Body, CameraRow, CountMemo, Counts, DrawList, DrawRow, LabelRow, LightRow, LineRow, Occurrence,
+    TooManyRows, count, diagnostics, draw_list, dump, fragment_bound,
 };
 pub use walk::{
     Approach, At, Everything, Inside, Interest, Order, Path, Under, discover, traverse, walk,

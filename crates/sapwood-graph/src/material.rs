@@ -1,6 +1,6 @@
 //! What a surface looks like.
 
-use sapwood_geom::{Content, Digester};
+use sapwood_geom::{Content, Digester, Image, Shared, content};
 
 /// A surface's look in the metallic-roughness model of glTF.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,8 +13,40 @@ pub struct Material {
     pub metallic: f32,
     /// 0 is a mirror, 1 is chalk.
     pub roughness: f32,
+    /// Linear red, green and blue that the surface gives off by itself.
+    pub emissive: [f32; 3],
+    /// What coverage means.
+    pub alpha: Alpha,
     /// Whether the back of a triangle is drawn too.
     pub double_sided: bool,
+    /// Images that vary the values above over the surface.
+    pub images: MaterialImages,
+}
+
+/// What a material's coverage means.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Alpha {
+    /// Nothing: the surface is opaque.
+    #[default]
+    Opaque,
+    /// The surface is there where coverage reaches this value, and not there elsewhere.
+    Mask(f32),
+    /// The surface lets through what it does not cover.
+    Blend,
+}
+
+/// The images of a material. Each is multiplied with the value it varies, repeats beyond
+/// texture coordinates 0..=1, and is read by the mesh's only set of them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MaterialImages {
+    /// Colour, sRGB-encoded, and coverage.
+    pub base_color: Option<Shared<Image>>,
+    /// Roughness in green, metallic in blue; plain numbers.
+    pub metallic_roughness: Option<Shared<Image>>,
+    /// Normals in the surface's tangent frame; plain numbers, 128 for zero.
+    pub normal: Option<Shared<Image>>,
+    /// Colour, sRGB-encoded.
+    pub emissive: Option<Shared<Image>>,
 }
 
 impl Material {
@@ -25,14 +57,24 @@ impl Material {
             base_color: [red, green, blue, 1.0],
             metallic: 0.0,
             roughness: 1.0,
+            emissive: [0.0; 3],
+            alpha: Alpha::Opaque,
             double_sided: false,
+            images: MaterialImages::default(),
         }
     }
 }
 
-impl Content for Material {
+content!(Material { name, base_color, metallic, roughness, emissive, alpha, double_sided, images });
+
+content!(MaterialImages { base_color, metallic_roughness, normal, emissive });
+
+impl Content for Alpha {
     fn write(&self, digester: &mut Digester) {
-        let Self { name, base_color, metallic, roughness, double_sided } = self;
-        digester.add(name).add(base_color).add(metallic).add(roughness).add(double_sided);
+        match self {
+            Self::Opaque => digester.add(&0u8),
+            Self::Mask(least) => digester.add(&1u8).add(least),
+            Self::Blend => digester.add(&2u8),
+        };
     }
 }

@@ -6,7 +6,7 @@ use std::fmt;
 use sapwood_geom::Bound;
 use sapwood_geom::glam::Affine3;
 
-use crate::{Fragment, Kind, Parts};
+use crate::{Eye, Fragment, Kind, Parts};
 
 /// A plan in a context; what walks step on. Valid within one traversal: afterwards numbers
 /// may be used again.
@@ -79,6 +79,10 @@ pub trait Supply: Sync {
 
     /// The bound of everything below the site in the site's own frame, where it is known.
     fn bound(&self, site: SiteId) -> Option<&Bound>;
+
+    /// From where the view is looked at, in the root's frame, if that is known: what faces the
+    /// eye turns to it.
+    fn eye(&self) -> Option<&Eye>;
 }
 
 /// Fills wants between walks.

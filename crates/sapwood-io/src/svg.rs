@@ -296,7 +296,7 @@ mod tests {
     fn list(lines: Vec<Polyline>) -> DrawList {
         let lines = vec![LineRow { local: Affine3::IDENTITY, lines: Shared::new(lines) }];
         DrawList {
-            bodies: vec![Body { kind: Kind::of::<Tree>(), rows: Vec::new(), lines }],
+            bodies: vec![Body { lines, ..Body::new(Kind::of::<Tree>()) }],
             occurrences: vec![Occurrence { body: 0, world: Affine3::IDENTITY }],
         }
     }

@@ -38,6 +38,8 @@ pub use planted_fault::PlantedFault;
 pub use rules::{Budget, CancelToken, Context, Rule, RuleError, RuleSet, VisitContext};
 pub use scene::Scene;
 pub use semantic::{Children, Component, EditError, Handle, NodeId};
-pub use slots::{ChildPath, Held, Moving, Placement, Projection, Rate, Slot, SlotReader};
+pub use slots::{
+    ChildPath, Held, Moving, Placement, Projection, Rate, Slot, SlotReader, Time, Viewer,
+};
 pub use view::ViewId;
 pub use view_error::ViewError;

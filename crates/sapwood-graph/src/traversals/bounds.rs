@@ -30,9 +30,12 @@ pub fn fragment_bound(
             RenderNode::Group => under(&bounds),
             RenderNode::Transform(transform) => under(&bounds).transformed(transform),
             RenderNode::Live(value) => under(&bounds).transformed(&live[value as usize]),
-            RenderNode::Mesh { .. } | RenderNode::Instances { .. } | RenderNode::Lines(_) => {
-                fragment.drawn_bound(index)?
-            }
+            RenderNode::Facing(facing) => facing.bound_of(&under(&bounds)),
+            RenderNode::Mesh { .. }
+            | RenderNode::Instances { .. }
+            | RenderNode::Lines(_)
+            | RenderNode::Label(_) => fragment.drawn_bound(index)?,
+            RenderNode::Light(_) | RenderNode::Camera(_) => Bound::EMPTY,
             RenderNode::Deferred(run) => {
                 let mut all = Bound::EMPTY;
                 for link in run.first..run.first + run.count {

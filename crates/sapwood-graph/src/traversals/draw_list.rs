@@ -2,7 +2,8 @@
 //!
 //! The list has two levels. A *body* is what one authored component draws, in its own frame; an
 //! *occurrence* puts a body somewhere. What is shared in the scene is one body with several
-//! occurrences. The list is built anew each time.
+//! occurrences. What turns to the eye is a body of its own, for it is turned differently at each
+//! place. The list is built anew each time.
 
 use std::fmt;
 use std::sync::Arc;
@@ -10,7 +11,9 @@ use std::sync::Arc;
 use sapwood_geom::glam::Affine3;
 use sapwood_geom::{FixedMap, Polyline, Shared, SharedMesh, fixed_state};
 
-use crate::{EnvId, Kind, Material, RenderNode, SiteId, Supplied, Supply};
+use crate::{
+    Camera, EnvId, Facing, Kind, Label, Light, Material, RenderNode, SiteId, Supplied, Supply,
+};
 
 /// Everything that a view draws.
 #[derive(Debug, Default)]
@@ -21,7 +24,8 @@ pub struct DrawList {
     pub occurrences: Vec<Occurrence>,
 }
 
-/// What one authored component draws, in its own frame.
+/// What one authored component draws, in its own frame, or the part of it that is turned to the
+/// eye together.
 #[derive(Clone, Debug)]
 pub struct Body {
     /// The component's kind.
@@ -30,6 +34,26 @@ pub struct Body {
     pub rows: Vec<DrawRow>,
     /// Lines, in pre-order.
     pub lines: Vec<LineRow>,
+    /// Lights, in pre-order.
+    pub lights: Vec<LightRow>,
+    /// Cameras, in pre-order.
+    pub cameras: Vec<CameraRow>,
+    /// Lines of text, in pre-order.
+    pub labels: Vec<LabelRow>,
+}
+
+impl Body {
+    /// A body that draws nothing yet.
+    pub fn new(kind: Kind) -> Self {
+        let (rows, lines, lights) = (Vec::new(), Vec::new(), Vec::new());
+        Self { kind, rows, lines, lights, cameras: Vec::new(), labels: Vec::new() }
+    }
+
+    /// Rows of all sorts together.
+    fn n_rows(&self) -> usize {
+        let Self { kind: _, rows, lines, lights, cameras, labels } = self;
+        rows.len() + lines.len() + lights.len() + cameras.len() + labels.len()
+    }
 }
 
 /// A body put somewhere.
@@ -63,20 +87,71 @@ pub struct LineRow {
     pub lines: Shared<Vec<Polyline>>,
 }
 
+/// A light.
+#[derive(Clone, Debug)]
+pub struct LightRow {
+    /// From the light's frame to the body's.
+    pub local: Affine3,
+    /// The light.
+    pub light: Light,
+}
+
+/// A camera.
+#[derive(Clone, Debug)]
+pub struct CameraRow {
+    /// From the camera's frame to the body's.
+    pub local: Affine3,
+    /// The camera.
+    pub camera: Camera,
+}
+
+/// A line of text.
+#[derive(Clone, Debug)]
+pub struct LabelRow {
+    /// From the text's frame to the body's.
+    pub local: Affine3,
+    /// The text.
+    pub label: Label,
+}
+
 impl DrawList {
+    /// The body behind an occurrence.
+    pub fn body(&self, occurrence: &Occurrence) -> &Body {
+        &self.bodies[occurrence.body as usize]
+    }
+
     /// Every mesh row of every occurrence, with its transform to the root's frame.
     pub fn placed_rows(&self) -> impl Iterator<Item = (Affine3, &DrawRow)> {
-        self.occurrences.iter().flat_map(|occurrence| {
-            let rows = self.bodies[occurrence.body as usize].rows.iter();
-            rows.map(|row| (occurrence.world * row.local, row))
-        })
+        self.placed(|body| body.rows.iter().map(|row| (row.local, row)))
     }
 
     /// Every line row of every occurrence, with its transform to the root's frame.
     pub fn placed_lines(&self) -> impl Iterator<Item = (Affine3, &LineRow)> {
-        self.occurrences.iter().flat_map(|occurrence| {
-            let rows = self.bodies[occurrence.body as usize].lines.iter();
-            rows.map(|row| (occurrence.world * row.local, row))
+        self.placed(|body| body.lines.iter().map(|row| (row.local, row)))
+    }
+
+    /// Every light of every occurrence, with its transform to the root's frame.
+    pub fn placed_lights(&self) -> impl Iterator<Item = (Affine3, &Light)> {
+        self.placed(|body| body.lights.iter().map(|row| (row.local, &row.light)))
+    }
+
+    /// Every camera of every occurrence, with its transform to the root's frame.
+    pub fn placed_cameras(&self) -> impl Iterator<Item = (Affine3, &Camera)> {
+        self.placed(|body| body.cameras.iter().map(|row| (row.local, &row.camera)))
+    }
+
+    /// Every line of text of every occurrence, with its transform to the root's frame.
+    pub fn placed_labels(&self) -> impl Iterator<Item = (Affine3, &Label)> {
+        self.placed(|body| body.labels.iter().map(|row| (row.local, &row.label)))
+    }
+
+    fn placed<'a, T: 'a, I: Iterator<Item = (Affine3, T)> + 'a>(
+        &'a self,
+        rows: impl Fn(&'a Body) -> I + 'a,
+    ) -> impl Iterator<Item = (Affine3, T)> + 'a {
+        self.occurrences.iter().flat_map(move |occurrence| {
+            let world = occurrence.world;
+            rows(self.body(occurrence)).map(move |(local, row)| (world * local, row))
         })
     }
 
@@ -112,7 +187,7 @@ impl std::error::Error for TooManyRows {}
 /// The list of everything below the root.
 ///
 /// # Errors
-/// When there are more than `max_rows` mesh and line rows.
+/// When there are more than `max_rows` rows of all sorts together.
 pub fn draw_list(supply: &dyn Supply, max_rows: usize) -> Result<DrawList, TooManyRows> {
     let (env, root) = supply.root();
     let mut builder = Builder {
@@ -122,72 +197,93 @@ pub fn draw_list(supply: &dyn Supply, max_rows: usize) -> Result<DrawList, TooMa
         seen: FixedMap::with_hasher(fixed_state()),
         looks: Vec::new(),
     };
-    builder.look_at_all(root);
-    let mut stack = vec![(root, Affine3::IDENTITY)];
+    let top = Top { site: root, node: 0 };
+    builder.look_at_all(top);
+    let mut stack = vec![(top, Affine3::IDENTITY)];
     let mut n_rows = 0;
-    while let Some((site, world)) = stack.pop() {
-        let look = builder.look(site);
+    while let Some((top, world)) = stack.pop() {
+        let look = builder.look(top);
         let look = &builder.looks[look];
         // What draws nothing is passed over, however often it occurs.
         if !look.draws {
             continue;
         }
-        if let Some(body) = look.body {
-            let Body { rows, lines, kind } = &builder.list.bodies[body as usize];
-            n_rows += rows.len() + lines.len();
+        if let Some(number) = look.body {
+            let body = &builder.list.bodies[number as usize];
+            n_rows += body.n_rows();
             if n_rows > max_rows {
-                return Err(TooManyRows { limit: max_rows, kind: *kind });
+                return Err(TooManyRows { limit: max_rows, kind: body.kind });
             }
-            builder.list.occurrences.push(Occurrence { body, world });
+            builder.list.occurrences.push(Occurrence { body: number, world });
         }
-        stack.extend(look.below.iter().rev().map(|(site, local)| (*site, world * *local)));
+        stack.extend(look.below.iter().rev().map(|below| {
+            let outside = world * below.local;
+            let turn = below.facing.map(|facing| facing.turn(&outside, supply.eye()));
+            (below.top, turn.map_or(outside, |turn| outside * turn))
+        }));
     }
     Ok(builder.list)
 }
 
-/// What an authored site draws itself, and the authored sites right below it.
+/// Where a body begins: the site of an authored component, or a node in it that turns.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+struct Top {
+    site: SiteId,
+    /// 0 for the whole site, else a node that faces the eye, whose children are meant.
+    node: u32,
+}
+
+/// What is drawn from a top on, and the tops right below it.
 struct Look {
     body: Option<u32>,
-    below: Vec<(SiteId, Affine3)>,
+    below: Vec<Below>,
     /// Whether there is a body here or anywhere below.
     draws: bool,
+}
+
+/// A top below another one.
+struct Below {
+    top: Top,
+    /// From the lower frame to the upper one, before it is turned.
+    local: Affine3,
+    facing: Option<Facing>,
 }
 
 struct Builder<'a> {
     supply: &'a dyn Supply,
     env: EnvId,
     list: DrawList,
-    seen: FixedMap<SiteId, usize>,
+    seen: FixedMap<Top, usize>,
     looks: Vec<Look>,
 }
 
 impl Builder<'_> {
-    /// Looks at every authored site once and finds out which of them draw.
-    fn look_at_all(&mut self, root: SiteId) {
+    /// Looks at every top once and finds out which of them draw.
+    fn look_at_all(&mut self, root: Top) {
         let mut stack = vec![(root, false)];
-        while let Some((site, is_done)) = stack.pop() {
-            let is_new = !self.seen.contains_key(&site);
-            let look = self.look(site);
+        while let Some((top, is_done)) = stack.pop() {
+            let is_new = !self.seen.contains_key(&top);
+            let look = self.look(top);
             if is_done {
                 let mut below = self.looks[look].below.iter();
-                let draws = below.any(|(site, _)| self.looks[self.seen[site]].draws);
+                let draws = below.any(|below| self.looks[self.seen[&below.top]].draws);
                 self.looks[look].draws |= draws;
             } else if is_new {
-                stack.push((site, true));
+                stack.push((top, true));
                 let below = self.looks[look].below.iter().rev();
-                stack.extend(below.map(|(site, _)| (*site, false)));
+                stack.extend(below.map(|below| (below.top, false)));
             }
         }
     }
 
     /// Looks at an authored site and whatever its rule and the rules below it emitted.
-    fn look(&mut self, top: SiteId) -> usize {
+    fn look(&mut self, top: Top) -> usize {
         if let Some(look) = self.seen.get(&top) {
             return *look;
         }
-        let mut body = Body { kind: self.supply.plan(top).kind, rows: vec![], lines: vec![] };
+        let mut body = Body::new(self.supply.plan(top.site).kind);
         let mut below = Vec::new();
-        let mut stack = vec![(top, 0, Affine3::IDENTITY)];
+        let mut stack = vec![(top.site, top.node, Affine3::IDENTITY)];
         while let Some((site, index, local)) = stack.pop() {
             let plan = self.supply.plan(site);
             let first = stack.len();
@@ -199,6 +295,14 @@ impl Builder<'_> {
                 RenderNode::Group => inside(local),
                 RenderNode::Transform(transform) => inside(local * *transform),
                 RenderNode::Live(value) => inside(local * plan.live[value as usize]),
+                RenderNode::Facing(facing) => {
+                    let here = Top { site, node: index };
+                    if here == top {
+                        inside(local);
+                    } else {
+                        below.push(Below { top: here, local, facing: Some(*facing) });
+                    }
+                }
                 RenderNode::Mesh { mesh, material } => body.rows.push(DrawRow {
                     local,
                     mesh: mesh.clone(),
@@ -214,6 +318,15 @@ impl Builder<'_> {
                 RenderNode::Lines(lines) => {
                     body.lines.push(LineRow { local, lines: lines.clone() });
                 }
+                RenderNode::Light(light) => {
+                    body.lights.push(LightRow { local, light: light.clone() });
+                }
+                RenderNode::Camera(camera) => {
+                    body.cameras.push(CameraRow { local, camera: camera.clone() });
+                }
+                RenderNode::Label(label) => {
+                    body.labels.push(LabelRow { local, label: label.clone() });
+                }
                 RenderNode::Deferred(run) => {
                     for link in run.first..run.first + run.count {
                         let (_, Supplied::Ready(child)) = self.supply.enter(self.env, site, link)
@@ -221,7 +334,8 @@ impl Builder<'_> {
                             continue;
                         };
                         if self.supply.plan(child).authored {
-                            below.push((child, local));
+                            let top = Top { site: child, node: 0 };
+                            below.push(Below { top, local, facing: None });
                         } else {
                             stack.push((child, 0, local));
                         }
@@ -230,7 +344,7 @@ impl Builder<'_> {
             }
             stack[first..].reverse();
         }
-        let body = (!body.rows.is_empty() || !body.lines.is_empty()).then(|| {
+        let body = (body.n_rows() > 0).then(|| {
             self.list.bodies.push(body);
             self.list.bodies.len() as u32 - 1
         });

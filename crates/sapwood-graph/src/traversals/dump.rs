@@ -10,7 +10,10 @@ use std::fmt::Write as _;
 use sapwood_geom::glam::{Affine3, Vec3};
 use sapwood_geom::{FixedMap, fixed_state};
 
-use crate::{Approach, At, Interest, Order, RenderNode, SiteId, Supplied, Supply, walk};
+use crate::{
+    Approach, At, Facing, Interest, Lens, Light, LightShape, Order, RenderNode, SiteId, Supplied,
+    Supply, walk,
+};
 
 /// Everything below the root as text, at most `max_lines` lines and a note where more is left.
 ///
@@ -112,6 +115,8 @@ fn line<S>(at: &At<'_, S>) -> Option<String> {
         RenderNode::Group => "hold".to_owned(),
         RenderNode::Transform(transform) => format!("place {}", rounded(transform)),
         RenderNode::Live(value) => format!("live {}", rounded(&plan.live[value as usize])),
+        RenderNode::Facing(Facing::Eye) => "face the eye".to_owned(),
+        RenderNode::Facing(Facing::Axis(axis)) => format!("face the eye about ({})", point(*axis)),
         RenderNode::Mesh { mesh, material } => format!(
             "mesh {} vertices {} triangles {}",
             mesh.n_vertices(),
@@ -125,6 +130,16 @@ fn line<S>(at: &At<'_, S>) -> Option<String> {
             material.name
         ),
         RenderNode::Lines(lines) => format!("lines {}", lines.len()),
+        RenderNode::Light(light) => light_line(light),
+        RenderNode::Camera(camera) => match camera.lens {
+            Lens::Perspective { vertical_angle } => {
+                format!("camera {:?} perspective {}", camera.name, number(vertical_angle))
+            }
+            Lens::Orthographic { height } => {
+                format!("camera {:?} orthographic {}", camera.name, number(height))
+            }
+        },
+        RenderNode::Label(label) => format!("label {:?} {}", label.text, number(label.height)),
         RenderNode::Deferred(_) => return None,
     };
     if let Some(bound) = plan.fragment.drawn_bound(at.index()).filter(|bound| !bound.is_empty()) {
@@ -132,6 +147,16 @@ fn line<S>(at: &At<'_, S>) -> Option<String> {
         let _ = write!(line, " ({min})..({max})");
     }
     Some(line)
+}
+
+fn light_line(light: &Light) -> String {
+    let shape = match light.shape {
+        LightShape::Directional => "directional",
+        LightShape::Point { .. } => "point",
+        LightShape::Spot { .. } => "spot",
+    };
+    let color = light.color.map(number).join(" ");
+    format!("light {:?} {shape} ({color}) x {}", light.name, number(light.intensity))
 }
 
 fn rounded(transform: &Affine3) -> String {

@@ -9,5 +9,8 @@ mod dump;
 pub use bounds::fragment_bound;
 pub use count::{CountMemo, Counts, count};
 pub use diagnostics::diagnostics;
-pub use draw_list::{Body, DrawList, DrawRow, LineRow, Occurrence, TooManyRows, draw_list};
+pub use draw_list::{
+    Body, CameraRow, DrawList, DrawRow, LabelRow, LightRow, LineRow, Occurrence, TooManyRows,
+    draw_list,
+};
 pub use dump::dump;

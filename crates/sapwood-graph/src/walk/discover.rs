@@ -150,6 +150,10 @@ impl<S: Clone> Pass<S> {
                     above.push((plan.fragment.after(index), here));
                     here *= plan.live[live as usize];
                 }
+                RenderNode::Facing(facing) => {
+                    above.push((plan.fragment.after(index), here));
+                    here *= facing.turn(&here, supply.eye());
+                }
                 RenderNode::Deferred(run) => {
                     for link in run.first..run.first + run.count {
                         look(run.kind, here, link);
@@ -158,7 +162,10 @@ impl<S: Clone> Pass<S> {
                 RenderNode::Group
                 | RenderNode::Mesh { .. }
                 | RenderNode::Instances { .. }
-                | RenderNode::Lines(_) => {}
+                | RenderNode::Lines(_)
+                | RenderNode::Light(_)
+                | RenderNode::Camera(_)
+                | RenderNode::Label(_) => {}
             }
         }
         // The stack gives back the last first.

@@ -240,10 +240,14 @@ impl<I: Interest> Walker<'_, I> {
             }
             RenderNode::Transform(transform) => task.world * *transform,
             RenderNode::Live(live) => task.world * plan.live[live as usize],
+            RenderNode::Facing(facing) => task.world * facing.turn(&task.world, self.supply.eye()),
             RenderNode::Group
             | RenderNode::Mesh { .. }
             | RenderNode::Instances { .. }
-            | RenderNode::Lines(_) => task.world,
+            | RenderNode::Lines(_)
+            | RenderNode::Light(_)
+            | RenderNode::Camera(_)
+            | RenderNode::Label(_) => task.world,
         };
         for node in plan.fragment.children(task.node) {
             let depth = task.depth + 1;

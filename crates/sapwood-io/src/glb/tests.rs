@@ -30,11 +30,10 @@ fn quad() -> Mesh {
 
 fn material(name: &str) -> Arc<Material> {
     Arc::new(Material {
-        name: name.into(),
         base_color: [0.25, 0.5, 0.75, 1.0],
-        metallic: 0.0,
         roughness: 0.9,
         double_sided: name == "leaf",
+        ..Material::matte(name, 0.0, 0.0, 0.0)
     })
 }
 
@@ -52,7 +51,7 @@ fn with_instances(instances: Vec<Affine3>) -> DrawRow {
 }
 
 fn body<T: Named>(rows: Vec<DrawRow>) -> Body {
-    Body { kind: Kind::of::<T>(), rows, lines: Vec::new() }
+    Body { rows, ..Body::new(Kind::of::<T>()) }
 }
 
 /// One tree at the origin.

@@ -1,16 +1,18 @@
 //! A pull: the scene's side of the opening that walks see.
 
+use std::any::TypeId;
 use std::sync::Mutex;
 
 use sapwood_geom::{Bound, Digest};
 use sapwood_graph::{
-    CountMemo, EnvId, Interrupted, PlanRef, Provide, SiteId, Supplied, Supply, Want,
+    CountMemo, EnvId, Eye, Interrupted, PlanRef, Provide, SiteId, Supplied, Supply, Want,
 };
 
 use smallvec::SmallVec;
 
 use super::cache::{Cache, Link, Target};
 use super::resolve::Standing;
+use crate::Viewer;
 use crate::rules::{NO_SCOPE, Scope};
 use crate::semantic::Graph;
 use crate::slots::{Environments, LinkFacts, LinkPushes, Pushed, SlotKey, SlotValue};
@@ -24,6 +26,7 @@ pub(crate) struct Pull<'a> {
     pub(super) number: u32,
     /// Behind a lock, for walks may enter links from several threads.
     pub(super) environments: Mutex<Environments>,
+    eye: Option<Eye>,
     #[cfg(feature = "planted-faults")]
     pub(super) drops_reads: bool,
 }
@@ -37,12 +40,15 @@ impl<'a> Pull<'a> {
         #[cfg(feature = "planted-faults")] drops_reads: bool,
     ) -> Self {
         cache.resolve_kinds(view, graph);
+        let viewer = view.moving.get(&TypeId::of::<Viewer>());
+        let eye = viewer.and_then(|viewer| *viewer.typed::<Viewer>());
         let mut pull = Self {
             graph,
             cache,
             view,
             number,
             environments: Mutex::new(Environments::new()),
+            eye,
             #[cfg(feature = "planted-faults")]
             drops_reads,
         };
@@ -178,6 +184,10 @@ impl Supply for Pull<'_> {
 
     fn bound(&self, site: SiteId) -> Option<&Bound> {
         self.cache.sites[site.0].bound.as_ref().filter(|_| self.is_settled(site))
+    }
+
+    fn eye(&self) -> Option<&Eye> {
+        self.eye.as_ref()
     }
 }
 

@@ -7,7 +7,8 @@ use std::sync::Arc;
 use sapwood_geom::glam::Affine3;
 use sapwood_geom::{Bound, Digest, Polyline, Shared, SharedMesh};
 use sapwood_graph::{
-    Diagnostic, Fragment, FragmentBuilder, Interrupted, Kind, Material, Part, Parts,
+    Camera, Diagnostic, Facing, Fragment, FragmentBuilder, Interrupted, Kind, Label, Light,
+    Material, Part, Parts,
 };
 use smallvec::SmallVec;
 
@@ -218,6 +219,14 @@ impl<'a> Context<'a> {
         live
     }
 
+    /// Turns whatever `inside` adds to the eye. Placement does not include the turn: it follows
+    /// the eye.
+    pub fn facing(&mut self, facing: Facing, inside: impl FnOnce(&mut Self)) {
+        self.fragment.open_facing(facing);
+        inside(self);
+        self.fragment.close();
+    }
+
     /// Sets a slot for whatever `inside` adds.
     pub fn push<S: Slot<Rate = Held>>(&mut self, value: S::Value, inside: impl FnOnce(&mut Self)) {
         self.push_value(SlotKey::of::<S>(), SlotValue::new::<S>(value), inside);
@@ -254,6 +263,21 @@ impl<'a> Context<'a> {
     /// Adds lines.
     pub fn lines(&mut self, lines: Shared<Vec<Polyline>>) {
         self.fragment.lines(lines);
+    }
+
+    /// Adds a light.
+    pub fn light(&mut self, light: Light) {
+        self.fragment.light(light);
+    }
+
+    /// Adds a camera.
+    pub fn camera(&mut self, camera: Camera) {
+        self.fragment.camera(camera);
+    }
+
+    /// Adds a line of text.
+    pub fn label(&mut self, label: Label) {
+        self.fragment.label(label);
     }
 
     /// Adds the component's parts of type `P`: rows that traversals count and hand to whoever

@@ -2,8 +2,9 @@
 
 use sapwood_geom::StreamPath;
 use sapwood_geom::glam::Affine3;
+use sapwood_graph::Eye;
 
-use super::{Held, Slot};
+use super::{Held, Moving, Slot};
 
 /// Where a component stands: the product of all transforms above it, from its frame to the
 /// root's.
@@ -44,5 +45,33 @@ impl Slot for ChildPath {
 
     fn descend(value: &StreamPath, key: u64) -> StreamPath {
         value.child(key)
+    }
+}
+
+/// Seconds since some beginning: what rotors and everything else that runs by itself go by.
+#[derive(Debug)]
+pub enum Time {}
+
+impl Slot for Time {
+    type Value = f64;
+    type Rate = Moving;
+    const NAME: &'static str = "time";
+
+    fn default() -> f64 {
+        0.0
+    }
+}
+
+/// From where the view is looked at, in its root's frame: what billboards turn to.
+#[derive(Debug)]
+pub enum Viewer {}
+
+impl Slot for Viewer {
+    type Value = Option<Eye>;
+    type Rate = Moving;
+    const NAME: &'static str = "viewer";
+
+    fn default() -> Option<Eye> {
+        None
     }
 }

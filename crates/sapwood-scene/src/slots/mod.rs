@@ -6,7 +6,7 @@ mod projection;
 mod reader;
 mod slot;
 
-pub use built_in::{ChildPath, Placement};
+pub use built_in::{ChildPath, Placement, Time, Viewer};
 pub(crate) use environment::{Environments, LinkFacts, LinkPushes, Pushed};
 pub use projection::Projection;
 pub(crate) use projection::{PANICKED, ProjectionKey};

@@ -1,0 +1,220 @@
+//! Building fragments.
+
+use std::sync::Arc;
+
+use sapwood_geom::glam::Affine3;
+use sapwood_geom::{Bound, Polyline, Shared, SharedMesh};
+use smallvec::SmallVec;
+
+use super::{Code, Drawn, Fragment, Instanced, Packed, StoredRun};
+use crate::{Camera, Facing, Kind, Label, Light, Material};
+
+/// Builds a [`Fragment`] node by node; whoever opens a node closes it.
+pub struct FragmentBuilder {
+    fragment: Fragment,
+    open: SmallVec<[u32; 8]>,
+    /// The run at the end of the node that is open, which further children may lengthen.
+    run: Option<u32>,
+}
+
+impl FragmentBuilder {
+    /// A builder whose top group is open.
+    pub fn new() -> Self {
+        let top = Packed { code: Code::Group, span: 1 };
+        Self {
+            fragment: Fragment {
+                nodes: smallvec::smallvec![top],
+                transforms: SmallVec::new(),
+                runs: SmallVec::new(),
+                drawn: None,
+                n_links: 0,
+                n_live: 0,
+            },
+            open: smallvec::smallvec![0],
+            run: None,
+        }
+    }
+
+    fn push(&mut self, code: Code) {
+        self.run = None;
+        self.fragment.nodes.push(Packed { code, span: 1 });
+    }
+
+    fn open(&mut self, code: Code) {
+        self.open.push(self.fragment.len());
+        self.push(code);
+    }
+
+    /// Opens a turn to whoever looks: what follows, up to the matching [`close`](Self::close),
+    /// is turned by it.
+    pub fn open_facing(&mut self, facing: Facing) {
+        let i = number_of(&mut self.drawn().facings, facing);
+        self.open(Code::Facing(i));
+    }
+
+    fn drawn(&mut self) -> &mut Drawn {
+        self.fragment.drawn.get_or_insert_default()
+    }
+
+    /// Opens a transform: what follows, up to the matching [`close`](Self::close), is placed
+    /// by it.
+    pub fn open_transform(&mut self, transform: Affine3) {
+        let i = self.fragment.transforms.len() as u32;
+        self.fragment.transforms.push(transform);
+        self.open(Code::Transform(i));
+    }
+
+    /// Opens a transform whose value `visit` keeps up to date, and tells its number.
+    pub fn open_live(&mut self) -> u32 {
+        let live = self.fragment.n_live;
+        self.fragment.n_live += 1;
+        self.open(Code::Live(live));
+        live
+    }
+
+    /// Closes what was opened last.
+    ///
+    /// # Panics
+    /// When nothing is open.
+    pub fn close(&mut self) {
+        assert!(self.open.len() > 1, "a node is closed that was never opened");
+        self.run = None;
+        let index = self.open.pop().expect("the top group is open") as usize;
+        self.fragment.nodes[index].span = (self.fragment.nodes.len() - index) as u32;
+    }
+
+    /// Adds a mesh.
+    pub fn mesh(&mut self, mesh: SharedMesh, material: Arc<Material>) {
+        let i = number_of(&mut self.drawn().meshes, (mesh, material));
+        self.push(Code::Mesh(i));
+    }
+
+    /// Adds a mesh repeated at each of `transforms`; costs one pass over them.
+    pub fn instances(
+        &mut self,
+        mesh: SharedMesh,
+        material: Arc<Material>,
+        transforms: Shared<Vec<Affine3>>,
+    ) {
+        let bound = mesh.bound().repeated(&transforms);
+        let instanced = Instanced { mesh, material, transforms, bound };
+        let i = number_of(&mut self.drawn().instances, instanced);
+        self.push(Code::Instances(i));
+    }
+
+    /// Adds lines.
+    pub fn lines(&mut self, lines: Shared<Vec<Polyline>>) {
+        let i = number_of(&mut self.drawn().lines, lines);
+        self.push(Code::Lines(i));
+    }
+
+    /// Adds a light.
+    pub fn light(&mut self, light: Light) {
+        let i = number_of(&mut self.drawn().lights, light);
+        self.push(Code::Light(i));
+    }
+
+    /// Adds a camera.
+    pub fn camera(&mut self, camera: Camera) {
+        let i = number_of(&mut self.drawn().cameras, camera);
+        self.push(Code::Camera(i));
+    }
+
+    /// Adds a line of text.
+    pub fn label(&mut self, label: Label) {
+        let i = number_of(&mut self.drawn().labels, label);
+        self.push(Code::Label(i));
+    }
+
+    /// Adds a deferred child and tells its link. Children of one kind that follow each other
+    /// under one parent, without a foreseen bound, become one run.
+    pub fn deferred(&mut self, kind: Kind, foreseen: Option<Bound>) -> u32 {
+        let link = self.fragment.n_links;
+        self.fragment.n_links += 1;
+        if let (Some(i), None) = (self.run, foreseen) {
+            let run = &mut self.fragment.runs[i as usize];
+            if run.kind == kind {
+                run.count += 1;
+                return link;
+            }
+        }
+        let i = self.fragment.runs.len() as u32;
+        let foreseen = foreseen.map(Box::new);
+        let can_grow = foreseen.is_none();
+        self.fragment.runs.push(StoredRun { first: link, count: 1, kind, foreseen });
+        self.push(Code::Deferred(i));
+        self.run = can_grow.then_some(i);
+        link
+    }
+
+    /// The finished fragment; whatever is still open is closed.
+    pub fn finish(mut self) -> Fragment {
+        while self.open.len() > 1 {
+            self.close();
+        }
+        self.fragment.nodes[0].span = self.fragment.len();
+        self.fragment
+    }
+}
+
+impl Default for FragmentBuilder {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Adds a row to an array and tells its number.
+fn number_of<T>(rows: &mut Vec<T>, row: T) -> u32 {
+    rows.push(row);
+    rows.len() as u32 - 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Named, RenderNode};
+    use sapwood_geom::Digest;
+
+    struct Stone;
+    impl Named for Stone {
+        const NAME: &'static str = "stone";
+    }
+
+    #[test]
+    fn spans_lead_from_sibling_to_sibling() {
+        let mut builder = FragmentBuilder::new();
+        builder.open_transform(Affine3::IDENTITY);
+        assert_eq!(builder.deferred(Kind::of::<Stone>(), None), 0);
+        assert_eq!(builder.deferred(Kind::of::<Stone>(), None), 1);
+        builder.close();
+        assert_eq!(builder.deferred(Kind::of::<Stone>(), None), 2);
+        let fragment = builder.finish();
+        assert_eq!(fragment.len(), 4);
+        assert_eq!(fragment.children(0).collect::<Vec<_>>(), [1, 3]);
+        assert_eq!(fragment.children(1).collect::<Vec<_>>(), [2]);
+        assert!(matches!(fragment.node(2), RenderNode::Deferred(run) if run.count == 2));
+        assert!(matches!(fragment.node(3), RenderNode::Deferred(run) if run.first == 2));
+        let firsts = [0, 1, 2, 3].map(|link| fragment.run_of(link).map(|run| run.first));
+        assert_eq!(firsts, [Some(0), Some(0), Some(2), None]);
+    }
+
+    #[test]
+    fn structure_counts_in_the_digest() {
+        let digest = |close_early: bool| {
+            let mut builder = FragmentBuilder::new();
+            builder.open_transform(Affine3::IDENTITY);
+            if close_early {
+                builder.close();
+            }
+            builder.lines(Shared::new(vec![Polyline::default()]));
+            Digest::of(&builder.finish())
+        };
+        assert_ne!(digest(true), digest(false));
+    }
+
+    #[test]
+    #[should_panic(expected = "never opened")]
+    fn closing_too_much_is_a_programmer_error() {
+        FragmentBuilder::new().close();
+    }
+}
