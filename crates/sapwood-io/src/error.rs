@@ -43,10 +43,49 @@ pub enum ErrorKind {
     },
     /// The text is not UTF-8.
     NotUtf8,
-    /// The text is not TOML.
+    /// The text is not written in its format.
     Syntax {
+        /// The format: `"TOML"` or `"XML"`.
+        format: &'static str,
         /// What the parser met and what it expected.
         message: String,
+    },
+    /// XML with a document type declaration; entities and external files are never followed.
+    DocumentType,
+    /// XML whose elements are nested deeper than any file of its kind needs.
+    TooDeep {
+        /// The deepest nesting that is read.
+        limit: usize,
+    },
+    /// XML with something where its kind of file has no place for it.
+    Unexpected {
+        /// What was found.
+        found: String,
+        /// The element around it, or `the file`.
+        within: String,
+        /// What may stand there.
+        accepted: String,
+    },
+    /// XML without something that its kind of file needs.
+    Missing {
+        /// The element or attribute.
+        what: String,
+        /// The element that should have it, or `the file`.
+        within: String,
+    },
+    /// A parameter that Arbaro does not have.
+    UnknownParameter {
+        /// The name as written.
+        name: String,
+        /// The parameter that is spelt most like it.
+        suggestion: Option<String>,
+    },
+    /// A parameter that was given before in the same file.
+    Repeated {
+        /// The name.
+        name: String,
+        /// Where it was given first.
+        first: Place,
     },
     /// A key that the format does not have.
     UnknownKey {
@@ -249,7 +288,22 @@ impl fmt::Display for ErrorKind {
                 write!(f, "is {bytes} bytes long; at most {limit} are read")
             }
             Self::NotUtf8 => f.write_str("not a UTF-8 text from here on"),
-            Self::Syntax { message } => write!(f, "not valid TOML: {message}"),
+            Self::Syntax { format, message } => write!(f, "not valid {format}: {message}"),
+            Self::DocumentType => f.write_str(
+                "a document type declaration is refused; entities and external files are not read",
+            ),
+            Self::TooDeep { limit } => write!(f, "elements are nested more than {limit} deep"),
+            Self::Unexpected { found, within, accepted } => {
+                write!(f, "unexpected {found} in {within} (accepted: {accepted})")
+            }
+            Self::Missing { what, within } => write!(f, "missing {what} in {within}"),
+            Self::UnknownParameter { name, suggestion } => {
+                write!(f, "unknown parameter '{name}'{}", Meant(suggestion, "'", "'"))
+            }
+            Self::Repeated { name, first } => {
+                let Place { line, column } = first;
+                write!(f, "{name} was given before, at line {line}, column {column}")
+            }
             Self::UnknownKey { key, table, suggestion } => {
                 write!(f, "unknown key '{key}'{}{}", In(table), Meant(suggestion, "'", "'"))
             }

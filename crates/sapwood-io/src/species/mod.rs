@@ -1,9 +1,12 @@
 //! Species in TOML: one table per file, keys and accepted values by the model's table of keys.
+//! Files of Arbaro, which are XML, are read as well.
 //!
 //! Angles are degrees and lengths metres in these files. What the keys mean is the model's
 //! matter; this module reads, checks and writes them.
 
+mod arbaro;
 mod built_in;
+mod found;
 mod read;
 mod source;
 mod write;
@@ -42,7 +45,9 @@ pub fn find_species(name: &str) -> Result<Species, Error> {
     Err(Error::new(ErrorKind::UnknownSpecies { name: name.to_owned(), suggestion }))
 }
 
-/// Reads the species file at `path`.
+/// Reads the species file at `path`, TOML or Arbaro's XML.
+///
+/// A text that begins with `<` is XML, and so is every file whose name ends in `.xml`.
 ///
 /// # Errors
 /// When the file cannot be read or is longer than 1 MiB, and those of [`parse_species`].
@@ -50,7 +55,8 @@ pub fn read_species(path: impl AsRef<Path>) -> Result<Species, Error> {
     let path = path.as_ref();
     let file = path.display().to_string();
     let text = read_text(path).map_err(|error| error.in_file(&file))?;
-    parse(&text, &file)
+    let ending = path.extension().unwrap_or_default();
+    parse(&text, &file, ending.eq_ignore_ascii_case("xml"))
 }
 
 fn read_text(path: &Path) -> Result<Vec<u8>, Error> {
@@ -71,24 +77,32 @@ fn read_text(path: &Path) -> Result<Vec<u8>, Error> {
 
 /// Reads a species from the text of its file; `file_name` serves error messages alone.
 ///
-/// `name`, `shape`, `scale`, `levels` and `ratio` must be given, and `branches` and `length` for
-/// every level of branches; all else has defaults.
+/// In TOML `name`, `shape`, `scale`, `levels` and `ratio` must be given, and `branches` and
+/// `length` for every level of branches; all else has defaults. A text that begins with `<` is a
+/// species file of Arbaro, where only the name must be given: the species has Arbaro's origin and
+/// thereby its dialect, and `defaulted` lists the keys that the file leaves to their defaults.
 ///
 /// # Errors
-/// When the text is no TOML, has unknown keys, lacks one, or has a value that its key does not
-/// accept. All errors of the text are found in one go, up to 20; see [`Error::all`].
+/// When the text is no TOML or XML, has unknown keys, lacks one, or has a value that its key does
+/// not accept; in XML also a document type, a parameter given twice and whatever has no place in
+/// Arbaro's files. All errors of the text are found in one go, up to 20; see [`Error::all`].
 pub fn parse_species(text: &str, file_name: &str) -> Result<Species, Error> {
-    parse(text.as_bytes(), file_name)
+    parse(text.as_bytes(), file_name, false)
 }
 
-fn parse(text: &[u8], file: &str) -> Result<Species, Error> {
+fn parse(text: &[u8], file: &str, is_xml: bool) -> Result<Species, Error> {
     let bytes = text.len() as u64;
     if bytes > LONGEST {
         let error = Error::new(ErrorKind::TooLong { bytes, limit: LONGEST });
         return Err(error.in_file(file));
     }
     let source = source::Source::new(text, file)?;
-    read::species(&source)
+    // No TOML begins like this.
+    if is_xml || source.text.trim_start().starts_with('<') {
+        arbaro::species(&source)
+    } else {
+        read::species(&source)
+    }
 }
 
 #[cfg(test)]

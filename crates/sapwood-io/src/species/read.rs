@@ -9,6 +9,7 @@ use sapwood_rules::weber_penn::{self as model, Accepted, Key, LeafShape, Species
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+use super::found::{Found, MOST_ERRORS};
 use super::source::{Source, shortened};
 use crate::spelling::nearest;
 use crate::{Error, ErrorKind};
@@ -17,55 +18,29 @@ use crate::{Error, ErrorKind};
 const REQUIRED: [&str; 5] = ["name", "shape", "scale", "levels", "ratio"];
 /// Keys that every level of branches must give besides.
 const REQUIRED_OF_BRANCHES: [&str; 2] = ["branches", "length"];
-/// More errors than this help nobody.
-const MOST_ERRORS: usize = 20;
-/// Reading stops at this many, before a file of nothing but errors takes long.
-const ENOUGH_ERRORS: usize = 1000;
 
 /// The species in `source`, or all that is wrong with it.
 pub(super) fn species(source: &Source<'_>) -> Result<Species, Error> {
     let (document, syntax) = DeTable::parse_recoverable(source.text);
-    let mut errors = Errors { source, found: Vec::new() };
+    let mut errors = Found::new(source);
     for error in syntax.iter().take(MOST_ERRORS) {
         let message = match error.message() {
             "recursion limit" => "nested too deeply".to_owned(),
             message => message.to_owned(),
         };
-        errors.add(ErrorKind::Syntax { message }, error.span());
-    }
-    if !errors.found.is_empty() {
-        // What stands behind a syntax error may be misread; faults there would mislead.
-        return Err(errors.finish());
+        errors.add(ErrorKind::Syntax { format: "TOML", message }, error.span());
     }
     let mut reader = Reader { errors, species: Species::default(), given: Vec::new() };
-    reader.document(document.get_ref());
-    reader.required(document.get_ref());
-    if reader.errors.found.is_empty() { Ok(reader.species) } else { Err(reader.errors.finish()) }
-}
-
-/// The errors found so far, each with the byte where it stands.
-struct Errors<'a> {
-    source: &'a Source<'a>,
-    found: Vec<(usize, ErrorKind, Option<usize>)>,
-}
-
-impl Errors<'_> {
-    fn add(&mut self, kind: ErrorKind, span: Option<Range<usize>>) {
-        let offset = span.map(|span| span.start);
-        self.found.push((offset.unwrap_or(usize::MAX), kind, offset));
+    // What stands behind a syntax error may be misread; faults there would mislead.
+    if reader.errors.is_empty() {
+        reader.document(document.get_ref());
+        reader.required(document.get_ref());
     }
-
-    /// The first errors in the order of the file.
-    fn finish(mut self) -> Error {
-        self.found.sort_by_key(|(order, ..)| *order);
-        let errors = self.found.into_iter().take(MOST_ERRORS);
-        let errors = errors.map(|(_, kind, offset)| self.source.error(kind, offset)).collect();
-        Error::first_of(errors).expect("finished only where errors were found")
-    }
+    reader.errors.or(reader.species)
 }
 
 struct Reader<'a> {
-    errors: Errors<'a>,
+    errors: Found<'a>,
     species: Species,
     given: Vec<&'static str>,
 }
@@ -83,7 +58,7 @@ impl Reader<'_> {
 
     fn table(&mut self, table: &str, entries: &DeTable<'_>) {
         for (key, value) in entries {
-            if self.errors.found.len() >= ENOUGH_ERRORS {
+            if self.errors.is_enough() {
                 return;
             }
             let dotted = match table {

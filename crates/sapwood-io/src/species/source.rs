@@ -36,7 +36,8 @@ impl<'a> Source<'a> {
         }
     }
 
-    fn place(&self, offset: usize) -> Place {
+    /// The line and column of a byte.
+    pub(super) fn place(&self, offset: usize) -> Place {
         let before = &self.text[..self.text.floor_char_boundary(offset)];
         let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
         Place {
@@ -53,13 +54,17 @@ impl<'a> Source<'a> {
 
 /// `text` on one line and no longer than a message can bear.
 pub(super) fn shortened(text: &str) -> String {
-    const LONGEST: usize = 40;
+    shortened_to(40, text)
+}
+
+/// `text` on one line, cut off after `longest` characters.
+pub(super) fn shortened_to(longest: usize, text: &str) -> String {
     let mut short = String::new();
     for (i, word) in text.split_whitespace().enumerate() {
         short.extend((i > 0).then_some(' '));
-        short.extend(word.chars().take(LONGEST + 1));
-        if short.chars().count() > LONGEST {
-            return short.chars().take(LONGEST).chain("...".chars()).collect();
+        short.extend(word.chars().take(longest + 1));
+        if short.chars().count() > longest {
+            return short.chars().take(longest).chain("...".chars()).collect();
         }
     }
     short

@@ -284,7 +284,7 @@ fn damaged_files_are_read_or_refused() {
                 _ => text.splice(at..at, text[at..end].to_vec()).for_each(drop),
             }
         }
-        match super::super::parse(&text, "damaged.toml") {
+        match super::super::parse(&text, "damaged.toml", false) {
             Ok(species) => {
                 assert_eq!(species.faults(), []);
                 read += 1;
