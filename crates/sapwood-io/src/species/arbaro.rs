@@ -17,7 +17,7 @@ use roxmltree::{Attribute, Document, Node, ParsingOptions, TextPos};
 use sapwood_geom::{FixedMap, fixed_state};
 use sapwood_rules::weber_penn::{Accepted, Key, LeafShape, Origin, Species, Value};
 
-use self::outline::{BreaksOff, outline};
+use self::outline::BreaksOff;
 use super::found::Found;
 use super::source::{Source, shortened, shortened_to};
 use crate::spelling::nearest;
@@ -37,7 +37,7 @@ const MOST_TRIANGLES: u32 = 998;
 /// The species in `source`, or all that is wrong with it.
 pub(super) fn species(source: &Source<'_>) -> Result<Species, Error> {
     let breaks_off =
-        outline(source.text).map_err(|(kind, offset)| source.error(kind, Some(offset)))?;
+        outline::outline(source.text).map_err(|(kind, offset)| source.error(kind, Some(offset)))?;
     let options = ParsingOptions { allow_dtd: false, ..ParsingOptions::default() };
     let document = Document::parse_with_options(source.text, options)
         .map_err(|error| syntax(source, &error, breaks_off))?;
@@ -279,9 +279,8 @@ fn syntax(source: &Source<'_>, error: &roxmltree::Error, breaks_off: Option<Brea
         _ => offset_of(source.text, pos),
     };
     if let Some(BreaksOff { part, .. }) = breaks_off.filter(|off| offset >= off.from) {
-        let until = source.text[part..].find(['>', '\n']).map_or(end, |length| part + length + 1);
-        let (tag, line) = (source.excerpt(part..until), source.place(part).line);
-        let message = format!("the file ends inside {tag} of line {line}");
+        let (what, line) = (outline::part(&source.text[part..]), source.place(part).line);
+        let message = format!("the file ends inside {what}, which begins in line {line}");
         return source.error(ErrorKind::Syntax { format: "XML", message }, Some(end));
     }
     let found = || match source.text[offset..].chars().next() {

@@ -54,17 +54,18 @@ pub fn built_in(name: &str) -> Option<Species> {
 /// alphabetical order wins among several. Otherwise the name or part spelt most alike is meant.
 pub fn suggest(name: &str) -> Option<&'static str> {
     let wanted = name.to_lowercase().replace([' ', '-'], "_");
+    let wanted = wanted.trim_matches('_');
     let words = |name: &'static str| name.split('_').chain([name]);
     let has = |test: &dyn Fn(&str) -> bool| built_in_names().find(|name| words(name).any(test));
     if !wanted.is_empty() {
         let found = has(&|word| word == wanted)
-            .or_else(|| has(&|word| word.starts_with(&wanted)))
-            .or_else(|| built_in_names().find(|name| name.contains(&wanted)));
+            .or_else(|| has(&|word| word.starts_with(wanted)))
+            .or_else(|| built_in_names().find(|name| name.contains(wanted)));
         if found.is_some() {
             return found;
         }
     }
-    let like = nearest(&wanted, built_in_names().flat_map(words))?;
+    let like = nearest(wanted, built_in_names().flat_map(words))?;
     has(&|word| word == like)
 }
 
@@ -128,6 +129,7 @@ mod tests {
         check("black", Some("black_tupelo"));
         check("sasafras", Some("sassafras"));
         check("", None);
+        check("-", None);
         check("xylophone", None);
     }
 }

@@ -118,6 +118,19 @@ fn too_many(tag: &str) -> ErrorKind {
     }
 }
 
+/// What begins where `rest` begins, in words for messages.
+pub(super) fn part(rest: &str) -> String {
+    let has_begun =
+        |whole: &str| rest.starts_with(whole) || rest.len() > 1 && whole.starts_with(rest);
+    match rest {
+        _ if has_begun("<!--") => "a comment".to_owned(),
+        _ if has_begun("<?") => "a processing instruction".to_owned(),
+        _ if has_begun("</") => "a closing tag".to_owned(),
+        _ if rest.starts_with("<!") => "a declaration".to_owned(),
+        _ => super::element(tag_name(rest)),
+    }
+}
+
 /// The name in the text of a tag.
 fn tag_name(tag: &str) -> &str {
     let name = tag.trim_start_matches('<');
@@ -164,6 +177,19 @@ mod tests {
         assert_eq!(outline("<a><b").ok().flatten(), Some(BreaksOff { part: 3, from: 3 }));
         assert_eq!(outline("<a><b>").ok().flatten(), Some(BreaksOff { part: 3, from: 6 }));
         check("<?xml version='1.0'", 0);
+    }
+
+    #[test]
+    fn parts_have_names() {
+        let check = |rest, name| assert_eq!(part(rest), name, "{rest}");
+        check("<", "<>");
+        check("<param name='", "<param>");
+        check("<a/><b>", "<a>");
+        check("</spe", "a closing tag");
+        check("<!", "a comment");
+        check("<!-- <a>", "a comment");
+        check("<![CDATA[", "a declaration");
+        check("<?xml", "a processing instruction");
     }
 
     #[test]

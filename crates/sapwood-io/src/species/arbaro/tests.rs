@@ -274,19 +274,22 @@ fn hostile_texts_are_refused_in_no_time() {
 
 #[test]
 fn truncated_texts_are_told_where_they_end() {
-    check_whole(&FULL[..30], "f:2:8: not valid XML: the file ends inside <!-- A of line 2");
+    check_whole(
+        &FULL[..30],
+        "f:2:8: not valid XML: the file ends inside a comment, which begins in line 2",
+    );
     let upto = |end: &str| &FULL[..FULL.find(end).unwrap() + end.len()];
     check_whole(
         upto("value='2'/>"),
-        "f:6:37: not valid XML: the file ends inside <species name='Test &amp; Tree'> of line 4",
+        "f:6:37: not valid XML: the file ends inside <species>, which begins in line 4",
     );
     check_whole(
         upto("name='Lev"),
-        "f:6:21: not valid XML: the file ends inside <param name='Lev of line 6",
+        "f:6:21: not valid XML: the file ends inside <param>, which begins in line 6",
     );
     check_whole(
         upto("</species>"),
-        "f:16:13: not valid XML: the file ends inside <arbaro> of line 3",
+        "f:16:13: not valid XML: the file ends inside <arbaro>, which begins in line 3",
     );
 }
 
