@@ -1,5 +1,7 @@
 //! The arguments and their help texts.
 
+use std::path::PathBuf;
+
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use tracing_subscriber::filter::LevelFilter;
 
@@ -12,6 +14,9 @@ Exit codes:
   2  the arguments are at fault
   3  the output could not be written; an existing file is left as it was
   4  a budget ran out, such as the number of triangles; nothing was written";
+
+const SPECIES_FILES: &str = "\
+Species files are TOML, as `sapwood species show` prints them, or the XML of Arbaro.";
 
 const GROW_EXAMPLES: &str = "\
 Examples:
@@ -36,7 +41,8 @@ pub(crate) enum Command {
     /// Grow a tree, tell how large it is and write it to files
     #[command(after_help = GROW_EXAMPLES)]
     Grow(GrowArguments),
-    /// Built-in species: list them, show one
+    /// Built-in species and species files: list, show, check, convert
+    #[command(after_help = SPECIES_FILES)]
     Species(SpeciesArguments),
 }
 
@@ -105,6 +111,21 @@ pub(crate) enum SpeciesCommand {
         /// Name of a built-in species, or a species file to check and print in full
         #[arg(value_name = "NAME|FILE")]
         name: String,
+    },
+    /// Read species files and tell of each what it is, or all that is wrong with it
+    Check {
+        /// Species files, or names of built-in species
+        #[arg(value_name = "FILE", required = true)]
+        names: Vec<String>,
+    },
+    /// Write a species as a TOML file, such as one that Arbaro wrote
+    Convert {
+        /// A species file, or the name of a built-in species
+        #[arg(value_name = "IN")]
+        from: String,
+        /// The file to write, whole or not at all; its name ends in .toml
+        #[arg(value_name = "OUT")]
+        to: PathBuf,
     },
 }
 

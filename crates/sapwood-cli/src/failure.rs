@@ -33,6 +33,12 @@ impl Failure {
         Self { code: Self::INPUT, lines: found.iter().map(line).collect() }
     }
 
+    /// Both failures in one, under the exit code of the first.
+    pub(crate) fn and(mut self, other: Self) -> Self {
+        self.lines.extend(other.lines);
+        self
+    }
+
     /// Writes the lines to standard error and gives the exit code.
     pub(crate) fn report(self) -> ExitCode {
         for line in &self.lines {

@@ -1,5 +1,8 @@
 //! `sapwood species`: what is built in, and what is in a species file.
 
+mod check;
+mod convert;
+
 use std::io::Write;
 
 use crate::arguments::{SpeciesArguments, SpeciesCommand};
@@ -10,6 +13,8 @@ pub(crate) fn run(arguments: SpeciesArguments, out: &mut dyn Write) -> Result<()
     match arguments.command.unwrap_or(SpeciesCommand::List) {
         SpeciesCommand::List => list(out),
         SpeciesCommand::Show { name } => show(&name, out),
+        SpeciesCommand::Check { names } => check::run(&names, out),
+        SpeciesCommand::Convert { from, to } => convert::run(&from, &to, out),
     }
 }
 
