@@ -3,8 +3,8 @@
 use sapwood::geom::glam::Vec3;
 use sapwood::geom::{Aabb, Bound, content};
 use sapwood::graph::{
-    Approach, Everything, Handlers, Inside, Interest, Named, Order, Part, Provide, RenderNode,
-    Supplied, Supply, Under, discover, traverse, walk,
+    Approach, Everything, Fallbacks, Handlers, Inside, Interest, Named, Offers, Order, Part,
+    Provide, RenderNode, Supplied, Supply, Under, discover, traverse, walk,
 };
 use sapwood::scene::{Component, Context, Group, Rule, RuleError, RuleSet, Scene, ViewId};
 
@@ -53,6 +53,9 @@ impl Rule for NecklaceRule {
             });
         }
         Ok(Clasp { n: necklace.n })
+    }
+    fn interfaces(offers: &mut Offers<Clasp>) {
+        offers.offer::<dyn Shines>(|clasp| clasp);
     }
 }
 
@@ -244,6 +247,50 @@ fn handlers_get_typed_plans_and_parts() {
         .traverse(view, Order::Pre, &Everything, &mut |at| handlers.handle(&mut jeweller, at))
         .unwrap();
     assert_eq!((jeweller.clasps, jeweller.beads), (vec![3, 4], 3 + 6));
+}
+
+/// What some things do, whoever compiled them.
+trait Shines {
+    fn lumen(&self) -> u32;
+}
+impl Shines for Clasp {
+    fn lumen(&self) -> u32 {
+        self.n * 10
+    }
+}
+
+/// Simpler data, which may stand in for a necklace.
+struct Thread {
+    metres: u32,
+}
+
+#[test]
+fn the_exact_handler_goes_before_the_interface_and_that_before_the_fallback() {
+    type Met = Vec<String>;
+    let mut scene = checked_scene();
+    let root = scene.add(Group);
+    scene.add_to(root, Necklace { n: 3 }).unwrap();
+    let view = scene.open_view(root, &all_rules()).unwrap();
+    let mut met = |handlers: &Handlers<Met>| {
+        let mut met = Met::new();
+        scene
+            .traverse(view, Order::Pre, &Everything, &mut |at| handlers.handle(&mut met, at))
+            .unwrap();
+        met.join(" ")
+    };
+    let fallbacks = Fallbacks::new()
+        .with::<Necklace, Thread>(|plan| Thread { metres: plan.parts.of::<Bead>().len() as u32 });
+    let mut handlers = Handlers::<Met>::new().with_fallbacks(&fallbacks);
+    assert_eq!(met(&handlers), "");
+    handlers = handlers.on_plan::<Thread>(|met, thread, at| {
+        met.push(format!("{} {}m", at.plan().kind, thread.metres))
+    });
+    assert_eq!(met(&handlers), "necklace 3m");
+    handlers =
+        handlers.on_interface::<dyn Shines>(|met, it, _| met.push(format!("{}lm", it.lumen())));
+    assert_eq!(met(&handlers), "30lm");
+    handlers = handlers.on_plan::<Clasp>(|met, clasp, _| met.push(format!("clasp {}", clasp.n)));
+    assert_eq!(met(&handlers), "clasp 3");
 }
 
 #[test]

@@ -6,7 +6,7 @@ use std::fmt;
 use sapwood_geom::Bound;
 use sapwood_geom::glam::Affine3;
 
-use crate::{Eye, Fragment, Kind, Parts};
+use crate::{Eye, Fragment, Interfaces, Kind, Parts};
 
 /// A plan in a context; what walks step on. Valid within one traversal: afterwards numbers
 /// may be used again.
@@ -54,6 +54,8 @@ pub struct PlanRef<'a> {
     pub fragment: &'a Fragment,
     /// What the rule made for its `visit` and for handlers.
     pub data: &'a (dyn Any + Send + Sync),
+    /// As what the rule offers its data.
+    pub interfaces: &'a Interfaces,
     /// The plan's parts.
     pub parts: &'a Parts,
     /// The site's live values.

@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use sapwood_geom::glam::Affine3;
 use sapwood_geom::{Bound, Digest, Digester, FixedMap, fixed_state};
-use sapwood_graph::{CountMemo, Diagnostic, Fragment, FragmentBuilder, Kind, Named, Parts, SiteId};
+use sapwood_graph::{
+    CountMemo, Diagnostic, Fragment, FragmentBuilder, Interfaces, Kind, Named, Parts, SiteId,
+};
 use smallvec::SmallVec;
 
 use super::plan_group::PlanGroup;
@@ -102,6 +104,8 @@ pub(crate) struct KnownRule {
     pub(crate) rule: Arc<dyn AnyRule>,
     /// The data of all plans that the rule made.
     pub(crate) data: Box<dyn AnyColumn>,
+    /// As what the data can be seen.
+    pub(crate) interfaces: Interfaces,
 }
 
 /// A component that came out of a rule.
@@ -117,6 +121,8 @@ pub(crate) struct Cache {
     pub(crate) emitted: Column<Emitted>,
     pub(crate) emitted_storage: Storage,
     pub(crate) rules: Vec<KnownRule>,
+    /// What plans offer that no rule made.
+    no_interfaces: Interfaces,
     pub(crate) groups: FixedMap<(Target, u32), PlanGroup>,
     pub(crate) site_index: FixedMap<u64, SiteId>,
     pub(crate) emitted_index: FixedMap<(Kind, Digest), u32>,
@@ -157,6 +163,7 @@ impl Cache {
             emitted: Column::new(),
             emitted_storage: Storage::new(),
             rules: Vec::new(),
+            no_interfaces: Interfaces::of::<ViewRoot, ()>(|_| {}),
             groups: FixedMap::with_hasher(fixed_state()),
             site_index: FixedMap::with_hasher(fixed_state()),
             emitted_index: FixedMap::with_hasher(fixed_state()),
@@ -190,6 +197,11 @@ impl Cache {
             (Some(row), Some(known)) => known.data.row(row),
             _ => no_data(),
         }
+    }
+
+    /// As what the rule offers the plan's data.
+    pub(crate) fn interfaces_of(&self, plan: &Plan) -> &Interfaces {
+        self.rules.get(plan.rule as usize).map_or(&self.no_interfaces, |known| &known.interfaces)
     }
 
     /// The digest of everything that a plan is, the reads left out.

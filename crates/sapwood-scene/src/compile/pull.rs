@@ -131,6 +131,7 @@ impl Supply for Pull<'_> {
             authored: matches!(plan.target, Target::Authored(_)),
             fragment: &plan.fragment,
             data: self.cache.data_of(plan),
+            interfaces: self.cache.interfaces_of(plan),
             parts: &plan.parts,
             live: &self.cache.sites[site.0].live,
             error: plan.error.as_deref().or(self.cache.sites[site.0].visit_error.as_deref()),

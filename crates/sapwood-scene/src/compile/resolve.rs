@@ -18,7 +18,8 @@ impl Cache {
         let known = self.rules.iter().position(|known| known.identity == identity);
         let number = known.unwrap_or_else(|| {
             let data: Box<dyn AnyColumn> = rule.new_column();
-            self.rules.push(KnownRule { identity, rule: Arc::clone(rule), data });
+            let interfaces = rule.interfaces();
+            self.rules.push(KnownRule { identity, rule: Arc::clone(rule), data, interfaces });
             self.rules.len() - 1
         });
         number as u32

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use sapwood_geom::glam::Affine3;
 use sapwood_geom::{Content, Digest, Digester, FixedMap};
-use sapwood_graph::{Interrupted, Kind};
+use sapwood_graph::{Interfaces, Interrupted, Kind, Offers};
 
 use super::Context;
 use crate::column::{AnyColumn, Column};
@@ -50,6 +50,12 @@ pub trait Rule: Send + Sync + 'static {
     /// nothing and depends on nothing but `data` and moving slots.
     fn visit(&self, data: &Self::Data, cx: &VisitContext<'_>, live: &mut [Affine3]) {
         let _ = (data, cx, live);
+    }
+
+    /// Offers the rule's data as interfaces, for traversals that know the interface and not the
+    /// rule; the one offered first is preferred.
+    fn interfaces(offers: &mut Offers<Self::Data>) {
+        let _ = offers;
     }
 }
 
@@ -121,6 +127,7 @@ pub(crate) trait AnyRule: Send + Sync {
     ) -> Result<Box<dyn Any + Send + Sync>, RuleError>;
     fn visit(&self, data: &(dyn Any + Send + Sync), cx: &VisitContext<'_>, live: &mut [Affine3]);
     fn write_data(&self, data: &(dyn Any + Send + Sync), digester: &mut Digester);
+    fn interfaces(&self) -> Interfaces;
 }
 
 impl<R: Rule> AnyRule for R {
@@ -159,5 +166,9 @@ impl<R: Rule> AnyRule for R {
         if let Some(data) = data.downcast_ref::<R::Data>() {
             data.write(digester);
         }
+    }
+
+    fn interfaces(&self) -> Interfaces {
+        Interfaces::of::<R, R::Data>(R::interfaces)
     }
 }
