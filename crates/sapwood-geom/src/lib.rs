@@ -5,21 +5,27 @@
 //! maths, so that the same input gives the same bytes in debug and release builds.
 
 mod bounds;
+mod box_tree;
 mod digest;
 mod fixed_map;
 mod image;
 mod mesh;
+mod mesh_bvh;
 mod polyline;
+mod ray;
 mod section;
 mod stream;
 mod sweep;
 
 pub use bounds::{Aabb, Bound, Sphere};
+pub use box_tree::BoxTree;
 pub use digest::{Content, Digest, Digester, Shared};
 pub use fixed_map::{FixedMap, FixedSet, fixed_state};
 pub use image::Image;
 pub use mesh::{Mesh, SharedMesh};
+pub use mesh_bvh::{MeshBvh, MeshHit, Sides, closest_on_transformed};
 pub use polyline::Polyline;
+pub use ray::Ray;
 pub use section::Section;
 pub use stream::{Purpose, Stream, StreamPath};
 pub use sweep::{Cap, Ring, Sweep, SweepOptions, SweepStart};

@@ -1,10 +1,11 @@
 //! Indexed triangle meshes.
 
 use std::ops::Deref;
+use std::sync::OnceLock;
 
 use glam::{Affine3, Vec2, Vec3};
 
-use crate::{Bound, Content, Digester, Shared};
+use crate::{Bound, Content, Digester, MeshBvh, Shared};
 
 /// An indexed triangle mesh with a normal and a texture coordinate for every vertex.
 ///
@@ -122,6 +123,8 @@ pub struct SharedMesh(Shared<Bounded>);
 struct Bounded {
     mesh: Mesh,
     bound: Bound,
+    /// Made when a ray comes by for the first time.
+    bvh: OnceLock<MeshBvh>,
 }
 
 impl Content for Bounded {
@@ -134,12 +137,17 @@ impl SharedMesh {
     /// Shares a finished mesh; costs one pass over its positions.
     pub fn new(mesh: Mesh) -> Self {
         let bound = mesh.bound();
-        Self(Shared::new(Bounded { mesh, bound }))
+        Self(Shared::new(Bounded { mesh, bound, bvh: OnceLock::new() }))
     }
 
     /// The bound of all positions.
     pub fn bound(&self) -> &Bound {
         &self.0.bound
+    }
+
+    /// The tree of the mesh's triangles; the first call makes it.
+    pub fn bvh(&self) -> &MeshBvh {
+        self.0.bvh.get_or_init(|| MeshBvh::new(&self.0.mesh))
     }
 
     /// Whether both are one and the same allocation; equal content may still lie in two.
