@@ -6,14 +6,16 @@
 //! learn it.
 
 mod builder;
+mod shown;
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use sapwood_geom::glam::Affine3;
-use sapwood_geom::{Bound, Content, Digester, Polyline, Shared, SharedMesh};
+use sapwood_geom::{Bound, BoxTree, Content, Digester, Polyline, Shared, SharedMesh};
 use smallvec::SmallVec;
 
 pub use builder::FragmentBuilder;
+pub use shown::Shown;
 
 use crate::{Camera, Facing, Kind, Label, Light, Material};
 
@@ -102,6 +104,8 @@ struct Drawn {
     lights: Vec<Light>,
     cameras: Vec<Camera>,
     labels: Vec<Label>,
+    /// By the number of the node, ascending.
+    shown: Vec<(u32, Shown)>,
 }
 
 #[derive(Debug)]
@@ -110,6 +114,8 @@ struct Instanced {
     material: Arc<Material>,
     transforms: Shared<Vec<Affine3>>,
     bound: Bound,
+    /// Made when a ray comes by for the first time.
+    tree: OnceLock<BoxTree>,
 }
 
 #[derive(Debug)]
@@ -229,6 +235,26 @@ impl Fragment {
         }
     }
 
+    /// Which parts the node at `index` shows, if that is known.
+    pub fn shown(&self, index: u32) -> Option<&Shown> {
+        let shown = &self.drawn.as_deref()?.shown;
+        let row = shown.binary_search_by_key(&index, |(node, _)| *node).ok()?;
+        Some(&shown[row].1)
+    }
+
+    /// The tree over the boxes of the instances of the node at `index`, in the node's frame; the
+    /// first call makes it. Nothing for nodes that repeat no mesh.
+    pub fn instance_tree(&self, index: u32) -> Option<&BoxTree> {
+        let (Code::Instances(i), Some(drawn)) =
+            (self.nodes[index as usize].code, self.drawn.as_deref())
+        else {
+            return None;
+        };
+        let Instanced { mesh, transforms, tree, .. } = &drawn.instances[i as usize];
+        let of_mesh = &mesh.bound().aabb;
+        Some(tree.get_or_init(|| BoxTree::new(transforms.iter().map(|t| of_mesh.transformed(t)))))
+    }
+
     /// Triangles that the fragment draws itself, every instance counted.
     pub fn n_triangles(&self) -> u64 {
         let Some(drawn) = self.drawn.as_deref() else { return 0 };
@@ -267,6 +293,9 @@ impl Content for Fragment {
                     }
                 }
             };
+        }
+        for (index, shown) in self.drawn.iter().flat_map(|drawn| &drawn.shown) {
+            digester.add(index).add(shown);
         }
     }
 }

@@ -21,7 +21,7 @@ mod walk;
 
 pub use camera::{Camera, Lens};
 pub use facing::{Eye, Facing};
-pub use fragment::{Fragment, FragmentBuilder, RenderNode, Run};
+pub use fragment::{Fragment, FragmentBuilder, RenderNode, Run, Shown};
 pub use handlers::{Fallbacks, Handlers};
 pub use interfaces::{Interfaces, Offers};
 pub use kind::{Kind, Named};

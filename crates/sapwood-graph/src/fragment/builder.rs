@@ -1,12 +1,12 @@
 //! Building fragments.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use sapwood_geom::glam::Affine3;
 use sapwood_geom::{Bound, Polyline, Shared, SharedMesh};
 use smallvec::SmallVec;
 
-use super::{Code, Drawn, Fragment, Instanced, Packed, StoredRun};
+use super::{Code, Drawn, Fragment, Instanced, Packed, Shown, StoredRun};
 use crate::{Camera, Facing, Kind, Label, Light, Material};
 
 /// Builds a [`Fragment`] node by node; whoever opens a node closes it.
@@ -97,7 +97,7 @@ impl FragmentBuilder {
         transforms: Shared<Vec<Affine3>>,
     ) {
         let bound = mesh.bound().repeated(&transforms);
-        let instanced = Instanced { mesh, material, transforms, bound };
+        let instanced = Instanced { mesh, material, transforms, bound, tree: OnceLock::new() };
         let i = number_of(&mut self.drawn().instances, instanced);
         self.push(Code::Instances(i));
     }
@@ -106,6 +106,22 @@ impl FragmentBuilder {
     pub fn lines(&mut self, lines: Shared<Vec<Polyline>>) {
         let i = number_of(&mut self.drawn().lines, lines);
         self.push(Code::Lines(i));
+    }
+
+    /// Tells which parts the node added last shows.
+    ///
+    /// # Panics
+    /// When that node draws neither a mesh nor lines, or the parts were told already.
+    pub fn shows(&mut self, shown: Shown) {
+        let index = self.fragment.len() - 1;
+        let code = self.fragment.nodes[index as usize].code;
+        let can_show = matches!(code, Code::Mesh(_) | Code::Instances(_) | Code::Lines(_));
+        let is_new = self.drawn().shown.last().is_none_or(|(told, _)| *told < index);
+        assert!(
+            can_show && is_new,
+            "parts are told right after the mesh or the lines that show them"
+        );
+        self.drawn().shown.push((index, shown));
     }
 
     /// Adds a light.

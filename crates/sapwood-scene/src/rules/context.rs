@@ -8,7 +8,7 @@ use sapwood_geom::glam::Affine3;
 use sapwood_geom::{Bound, Digest, Polyline, Shared, SharedMesh};
 use sapwood_graph::{
     Camera, Diagnostic, Facing, Fragment, FragmentBuilder, Interrupted, Kind, Label, Light,
-    Material, Part, Parts,
+    Material, Part, Parts, Shown,
 };
 use smallvec::SmallVec;
 
@@ -263,6 +263,15 @@ impl<'a> Context<'a> {
     /// Adds lines.
     pub fn lines(&mut self, lines: Shared<Vec<Polyline>>) {
         self.fragment.lines(lines);
+    }
+
+    /// Tells which parts the mesh, the instances or the lines added last show, so that picking
+    /// finds them.
+    ///
+    /// # Panics
+    /// When something else was added last; the component becomes an error then.
+    pub fn shows(&mut self, shown: Shown) {
+        self.fragment.shows(shown);
     }
 
     /// Adds a light.

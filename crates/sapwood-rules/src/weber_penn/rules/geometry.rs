@@ -4,13 +4,14 @@ use std::sync::{Arc, Mutex};
 
 use glam::{Affine3, Mat3};
 use sapwood_geom::{FixedMap, Shared, SharedMesh, fixed_state};
+use sapwood_graph::Shown;
 use sapwood_scene::{Context, Rule, RuleError};
 
 use super::super::slots::{
     BarkSlot, CrownSlot, DetailSlot, FoliageSlot, LeafTargetSlot, LeavesSlot, TrunkFormSlot,
 };
 use super::super::{
-    Leaf, LeafShape, Leaves, Species, StemSurface, TrunkForm, leaf_mesh, leaves, surface,
+    Leaf, LeafShape, Leaves, Species, Stem, StemSurface, TrunkForm, leaf_mesh, leaves, surface,
 };
 
 /// Compiles stems into one mesh of tubes.
@@ -31,10 +32,16 @@ impl Rule for StemSurfaceRule {
             // Other stems have no form beyond their taper, and must not depend on the trunk's.
             Arc::new(TrunkForm::new(&Species::default()))
         };
-        let charge = |triangles| cx.reserve_triangles(triangles as u64);
+        let mut ends: Vec<u32> = Vec::with_capacity(of.stems.stems.len());
+        let charge = |triangles| {
+            let end = ends.last().copied().unwrap_or(0);
+            ends.push(end.saturating_add(triangles as u32));
+            cx.reserve_triangles(triangles as u64)
+        };
         let mesh = surface(&of.stems, &form, &detail, charge)?;
         if !mesh.is_empty() {
             cx.mesh(SharedMesh::new(mesh), bark);
+            cx.shows(Shown::spans::<Stem>(ends));
         }
         Ok(())
     }
@@ -80,6 +87,7 @@ impl Rule for LeavesRule {
         if !leaves.is_empty() {
             let transforms = leaves.iter().map(placed).collect();
             cx.instances(mesh, foliage, Shared::new(transforms));
+            cx.shows(Shown::each::<Leaf>());
             cx.parts::<Leaf>(leaves);
         }
         Ok(())

@@ -1,10 +1,11 @@
 //! Trees as polylines with radii.
 
 use sapwood_geom::{Polyline, Shared};
+use sapwood_graph::Shown;
 use sapwood_scene::{Context, Rule, RuleError};
 
 use super::super::slots::TrunkFormSlot;
-use super::super::{Leaves, StemSurface, Stems};
+use super::super::{Leaves, Stem, StemSurface, Stems};
 
 /// Points that one turn of a helix is drawn with.
 const POINTS_PER_TURN: u32 = 10;
@@ -23,6 +24,7 @@ impl Rule for StemLinesRule {
         let factor = |z| form.as_ref().map_or(1.0, |form| form.factor(z));
         let lines = (0..of.stems.stems.len()).map(|stem| line(&of.stems, stem, &factor)).collect();
         cx.lines(Shared::new(lines));
+        cx.shows(Shown::each::<Stem>());
         Ok(())
     }
 }
