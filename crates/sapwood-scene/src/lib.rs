@@ -39,7 +39,7 @@ pub use rules::{Budget, CancelToken, Context, Rule, RuleError, RuleSet, VisitCon
 pub use scene::Scene;
 pub use semantic::{Children, Component, EditError, Handle, NodeId};
 pub use slots::{
-    ChildPath, Held, Moving, Placement, Projection, Rate, Slot, SlotReader, Time, Viewer,
+    ChildPath, Held, Moving, Placement, Projection, PushMode, Rate, Slot, SlotReader, Time, Viewer,
 };
 pub use view::ViewId;
 pub use view_error::ViewError;

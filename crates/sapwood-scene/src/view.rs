@@ -6,7 +6,7 @@ use std::sync::Mutex;
 use sapwood_geom::FixedMap;
 use sapwood_graph::SiteId;
 
-use crate::slots::SlotValue;
+use crate::slots::{ForcedSlots, SlotKey, SlotValue};
 use crate::{Budget, CancelToken, NodeId, RuleSet};
 
 /// A view of a scene: a root, a rule set, and slot values above the root.
@@ -30,7 +30,7 @@ pub(crate) struct View {
     pub(crate) rules_since: u64,
     /// The revision at which a root value was set.
     pub(crate) values_since: u64,
-    pub(crate) held: FixedMap<TypeId, SlotValue>,
+    pub(crate) held: FixedMap<TypeId, RootValue>,
     pub(crate) moving: FixedMap<TypeId, SlotValue>,
     pub(crate) moving_defaults: Mutex<FixedMap<TypeId, SlotValue>>,
     /// Grows whenever a moving slot is set.
@@ -40,4 +40,21 @@ pub(crate) struct View {
     pub(crate) root_site: SiteId,
     pub(crate) budget: Budget,
     pub(crate) cancel: CancelToken,
+}
+
+/// The value of a held slot above a view's root.
+pub(crate) struct RootValue {
+    pub(crate) slot: SlotKey,
+    pub(crate) value: SlotValue,
+    pub(crate) is_forced: bool,
+}
+
+impl View {
+    /// The slots that are forced above the root.
+    pub(crate) fn forced(&self) -> ForcedSlots {
+        let forced = self.held.values().filter(|held| held.is_forced);
+        let mut slots: ForcedSlots = forced.map(|held| held.slot).collect();
+        slots.sort_unstable();
+        slots
+    }
 }

@@ -41,6 +41,8 @@ pub(crate) struct Plan {
     pub(crate) fragment: Fragment,
     pub(crate) links: SmallVec<[PlanLink; 1]>,
     pub(crate) scopes: SmallVec<[Scope; 1]>,
+    /// Whether any of them forces or protects.
+    pub(crate) forces: bool,
     pub(crate) parts: Parts,
     pub(crate) reads: Box<[Read]>,
     /// The slots behind `reads`, those behind projections included; sorted.
@@ -220,7 +222,11 @@ impl Cache {
         }
         digester.add(&plan.scopes.len());
         for scope in &plan.scopes {
-            digester.add(&scope.outer).add(scope.slot.name()).add(&scope.value.digest);
+            digester
+                .add(&scope.outer)
+                .add(scope.slot.name())
+                .add(&scope.mode)
+                .add(&scope.value.digest);
         }
         digester.add(&plan.error.as_ref().map(|error| error.message.as_str()));
         if let Some(known) = self.rules.get(plan.rule as usize) {
@@ -244,6 +250,7 @@ impl Cache {
                 scope: NO_SCOPE
             }],
             scopes: SmallVec::new(),
+            forces: false,
             parts: Parts::default(),
             reads: Box::default(),
             slots: Arc::default(),

@@ -7,7 +7,8 @@
 use sapwood_graph::{EnvId, Interrupted};
 
 use super::cache::{Cache, Plan, Target};
-use super::pull::{Pull, Pushes};
+use super::pull::Pull;
+use super::pushes::Pushes;
 use crate::log::Action;
 use crate::slots::SlotReader;
 

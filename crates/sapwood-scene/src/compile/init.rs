@@ -6,7 +6,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use sapwood_graph::{EnvId, Interrupted};
 
 use super::cache::Target;
-use super::pull::{Pull, Pushes};
+use super::pull::Pull;
+use super::pushes::Pushes;
 use crate::log::Action;
 use crate::rules::{Context, Draft, Limits, RuleError};
 use crate::slots::SlotReader;

@@ -5,7 +5,8 @@ use sapwood_graph::{Diagnostic, EnvId, Interrupted, Kind, SiteId, Supplied, Supp
 use smallvec::SmallVec;
 
 use super::cache::{Link, Plan, Site, Target};
-use super::pull::{Pull, Pushes};
+use super::pull::Pull;
+use super::pushes::Pushes;
 use crate::slots::{Environments, SlotKey};
 
 impl Pull<'_> {
@@ -33,7 +34,11 @@ impl Pull<'_> {
         self.cache.sites[site.0].is_closed = false;
         let target = self.cache.plan_of(site).links[link as usize].target;
         let facts = self.facts(site, link);
-        let child_env = self.environments().enter(env, site, facts);
+        let child_env = {
+            let Self { cache, view, environments, .. } = self;
+            let environments = environments.get_mut().unwrap_or_else(|e| e.into_inner());
+            environments.enter(&Pushes { cache, view }, env, site, facts)
+        };
         let child = self.child(target, child_env, previous)?;
         match child {
             Ok(child) => {
@@ -183,12 +188,11 @@ impl Pull<'_> {
             }
             let pushes = Pushes { cache: self.cache, view: self.view };
             let site = &self.cache.sites[above.site.0];
-            let is_missing = |slot: &SlotKey| {
-                site.key.binary_search_by_key(slot, |(slot, _)| *slot).is_err()
-                    && !pushes.replaces(above.site, above.link, *slot)
-            };
-            let slots = self.cache.sites[child.0].key.iter().map(|(slot, _)| *slot);
-            let missing: SmallVec<[SlotKey; 4]> = slots.filter(is_missing).collect();
+            let is_missing =
+                |slot: &SlotKey| site.key.binary_search_by_key(slot, |(slot, _)| *slot).is_err();
+            let slots = self.cache.sites[child.0].key.iter();
+            let lifted = slots.flat_map(|(slot, _)| pushes.lifted(above.site, above.link, *slot));
+            let missing: SmallVec<[SlotKey; 4]> = lifted.filter(is_missing).collect();
             if missing.is_empty() {
                 return;
             }

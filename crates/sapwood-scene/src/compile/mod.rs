@@ -16,6 +16,7 @@ mod link;
 mod plan_group;
 mod publish;
 mod pull;
+mod pushes;
 mod resolve;
 mod settle;
 mod visit;

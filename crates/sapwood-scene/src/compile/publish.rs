@@ -4,6 +4,7 @@ use sapwood_graph::Interrupted;
 
 use super::cache::{Emitted, Plan, PlanLink, Target};
 use super::pull::Pull;
+use crate::PushMode;
 use crate::rules::{Draft, DraftTarget, Read};
 use crate::semantic::AnyComponent;
 use sapwood_geom::Digest;
@@ -59,6 +60,10 @@ impl Pull<'_> {
             revision,
             fragment,
             links,
+            forces: tables
+                .scopes
+                .iter()
+                .any(|scope| matches!(scope.mode, PushMode::Force | PushMode::Protect)),
             scopes: tables.scopes,
             parts: tables.parts,
             reads: reads.into(),

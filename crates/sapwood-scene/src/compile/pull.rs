@@ -11,11 +11,12 @@ use sapwood_graph::{
 use smallvec::SmallVec;
 
 use super::cache::{Cache, Link, Target};
+use super::pushes::Pushes;
 use super::resolve::Standing;
 use crate::Viewer;
-use crate::rules::{NO_SCOPE, Scope};
+use crate::rules::NO_SCOPE;
 use crate::semantic::Graph;
-use crate::slots::{Environments, LinkFacts, LinkPushes, Pushed, SlotKey, SlotValue};
+use crate::slots::{Environments, LinkFacts, SlotKey};
 use crate::view::View;
 
 /// One view's hold on the compiler while a traversal runs.
@@ -42,12 +43,14 @@ impl<'a> Pull<'a> {
         cache.resolve_kinds(view, graph);
         let viewer = view.moving.get(&TypeId::of::<Viewer>());
         let eye = viewer.and_then(|viewer| *viewer.typed::<Viewer>());
+        let mut environments = Environments::new();
+        environments.clear(view.forced());
         let mut pull = Self {
             graph,
             cache,
             view,
             number,
-            environments: Mutex::new(Environments::new()),
+            environments: Mutex::new(environments),
             eye,
             #[cfg(feature = "planted-faults")]
             drops_reads,
@@ -89,10 +92,9 @@ impl<'a> Pull<'a> {
     pub(super) fn covers(&self, site: SiteId, link: u32, child: SiteId) -> bool {
         let pushes = Pushes { cache: self.cache, view: self.view };
         let key = &self.cache.sites[site.0].key;
-        self.cache.sites[child.0].key.iter().all(|(slot, _)| {
-            key.binary_search_by_key(slot, |(slot, _)| *slot).is_ok()
-                || pushes.replaces(site, link, *slot)
-        })
+        let is_known = |slot: &SlotKey| key.binary_search_by_key(slot, |(slot, _)| *slot).is_ok();
+        let mut below = self.cache.sites[child.0].key.iter();
+        below.all(|(slot, _)| pushes.lifted(site, link, *slot).iter().all(is_known))
     }
 
     /// Whether a link pushes nothing and the child's key holds nothing but what the site's own
@@ -108,9 +110,11 @@ impl<'a> Pull<'a> {
 
     /// What environments need to know of a link.
     pub(super) fn facts(&self, site: SiteId, number: u32) -> LinkFacts {
-        let link = self.cache.plan_of(site).links[number as usize];
+        let plan = self.cache.plan_of(site);
+        let link = plan.links[number as usize];
         let is_emitted = matches!(link.target, Target::Emitted(_));
-        LinkFacts { number, is_emitted, pushes: link.scope != NO_SCOPE }
+        let pushes = link.scope != NO_SCOPE;
+        LinkFacts { number, is_emitted, pushes, forces: pushes && plan.forces }
     }
 
     /// What the rule foresaw of the children of a link.
@@ -167,7 +171,8 @@ impl Supply for Pull<'_> {
                 let child_env = {
                     let mut environments =
                         self.environments.lock().unwrap_or_else(|e| e.into_inner());
-                    environments.enter(env, site, facts)
+                    let pushes = Pushes { cache: self.cache, view: self.view };
+                    environments.enter(&pushes, env, site, facts)
                 };
                 if inherits || self.fits(*child, child_env) && self.covers(site, link, *child) {
                     (child_env, Supplied::Ready(*child))
@@ -206,51 +211,11 @@ impl Provide for Pull<'_> {
     }
 
     fn begin_pass(&mut self) {
-        self.environments.get_mut().unwrap_or_else(|e| e.into_inner()).clear();
+        let forced = self.view.forced();
+        self.environments.get_mut().unwrap_or_else(|e| e.into_inner()).clear(forced);
     }
 
     fn settle(&mut self) {
         self.settle_all();
-    }
-}
-
-/// What links push, as environments ask for it.
-pub(super) struct Pushes<'a> {
-    pub(super) cache: &'a Cache,
-    pub(super) view: &'a View,
-}
-
-impl Pushes<'_> {
-    fn scopes(&self, site: SiteId, link: u32) -> impl Iterator<Item = &Scope> {
-        let plan = self.cache.plan_of(site);
-        Scope::outwards(&plan.scopes, plan.links[link as usize].scope)
-    }
-
-    /// Whether what is inherited does not matter behind a link.
-    pub(super) fn replaces(&self, site: SiteId, link: u32, slot: SlotKey) -> bool {
-        !slot.merges() && self.scopes(site, link).any(|scope| scope.slot == slot)
-    }
-}
-
-impl LinkPushes for Pushes<'_> {
-    fn push(&self, site: SiteId, link: u32, slot: SlotKey) -> Pushed<'_> {
-        let mut scopes = self.scopes(site, link).filter(|scope| scope.slot == slot);
-        if !slot.merges() {
-            return scopes.next().map_or(Pushed::Nothing, |scope| Pushed::Replaced(&scope.value));
-        }
-        let mut values: smallvec::SmallVec<_> = scopes.map(|scope| scope.value.clone()).collect();
-        if values.is_empty() {
-            return Pushed::Nothing;
-        }
-        values.reverse();
-        Pushed::Merged(values)
-    }
-
-    fn child_key(&self, site: SiteId, link: u32) -> u64 {
-        self.cache.plan_of(site).links[link as usize].key
-    }
-
-    fn root_value(&self, slot: SlotKey) -> Option<SlotValue> {
-        self.view.held.get(&slot.type_id()).cloned()
     }
 }

@@ -9,7 +9,9 @@ use sapwood_graph::{EnvId, SiteId, Supplied, Supply, fragment_bound};
 
 use super::cache::Link;
 use super::cycles::Rings;
-use super::pull::{Pull, Pushes};
+use super::pull::Pull;
+use super::pushes::Pushes;
+use crate::slots::SlotKey;
 
 /// A site that is being settled.
 struct Open {
@@ -134,8 +136,10 @@ impl Pull<'_> {
                 || row.links.iter().enumerate().any(|(link, child)| match child {
                     Link::Site(child) => {
                         let key = &self.cache.sites[child.0].key;
-                        key.binary_search_by_key(&slot, |(slot, _)| *slot).is_ok()
-                            && !pushes.replaces(site, link as u32, slot)
+                        let lifted = |(below, _): &(SlotKey, _)| {
+                            pushes.lifted(site, link as u32, *below).contains(&slot)
+                        };
+                        key.iter().any(lifted)
                     }
                     Link::Unfilled | Link::Failed(_) => false,
                 })

@@ -15,7 +15,7 @@ use smallvec::SmallVec;
 use super::{Limits, Read, ReadKey};
 use crate::semantic::{AnyComponent, Graph};
 use crate::slots::{PANICKED, Placement, ProjectionKey, SlotKey, SlotReader, SlotValue};
-use crate::{Component, Held, NodeId, Projection, Slot};
+use crate::{Component, Held, NodeId, Projection, PushMode, Slot};
 
 /// "Below no push" in links and scopes.
 pub(crate) const NO_SCOPE: u32 = u32::MAX;
@@ -66,6 +66,7 @@ pub(crate) enum DraftTarget {
 pub(crate) struct Scope {
     pub(crate) outer: u32,
     pub(crate) slot: SlotKey,
+    pub(crate) mode: PushMode,
     pub(crate) value: SlotValue,
 }
 
@@ -229,18 +230,29 @@ impl<'a> Context<'a> {
 
     /// Sets a slot for whatever `inside` adds.
     pub fn push<S: Slot<Rate = Held>>(&mut self, value: S::Value, inside: impl FnOnce(&mut Self)) {
-        self.push_value(SlotKey::of::<S>(), SlotValue::new::<S>(value), inside);
+        self.push_as::<S>(PushMode::Normal, value, inside);
+    }
+
+    /// Sets a slot for whatever `inside` adds, as strongly as `mode` says.
+    pub fn push_as<S: Slot<Rate = Held>>(
+        &mut self,
+        mode: PushMode,
+        value: S::Value,
+        inside: impl FnOnce(&mut Self),
+    ) {
+        self.push_value(SlotKey::of::<S>(), mode, SlotValue::new::<S>(value), inside);
     }
 
     pub(crate) fn push_value(
         &mut self,
         slot: SlotKey,
+        mode: PushMode,
         value: SlotValue,
         inside: impl FnOnce(&mut Self),
     ) {
         let outer = self.scope;
         self.scope = self.draft.scopes.len() as u32;
-        self.draft.scopes.push(Scope { outer, slot, value });
+        self.draft.scopes.push(Scope { outer, slot, mode, value });
         inside(self);
         self.scope = outer;
     }

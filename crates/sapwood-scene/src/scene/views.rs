@@ -5,7 +5,7 @@ use sapwood_graph::SiteId;
 
 use super::Scene;
 use crate::slots::{SlotKey, SlotValue};
-use crate::view::View;
+use crate::view::{RootValue, View};
 use crate::{
     Budget, CancelToken, EditError, Held, Moving, NodeId, RuleSet, Slot, ViewError, ViewId,
 };
@@ -86,9 +86,48 @@ impl Scene {
         view: ViewId,
         value: S::Value,
     ) -> Result<(), ViewError> {
+        self.change_held::<S>(view, Some((value, false)))
+    }
+
+    /// Sets a held slot above the root of a view against every push in the scene that does not
+    /// protect itself: one view shows everything as wires, say, whatever style the scene asks
+    /// for.
+    ///
+    /// # Errors
+    /// When the view is closed.
+    pub fn force_held<S: Slot<Rate = Held>>(
+        &mut self,
+        view: ViewId,
+        value: S::Value,
+    ) -> Result<(), ViewError> {
+        self.change_held::<S>(view, Some((value, true)))
+    }
+
+    /// Lets a held slot above the root of a view have its default again.
+    ///
+    /// # Errors
+    /// When the view is closed.
+    pub fn clear_held<S: Slot<Rate = Held>>(&mut self, view: ViewId) -> Result<(), ViewError> {
+        self.change_held::<S>(view, None)
+    }
+
+    fn change_held<S: Slot<Rate = Held>>(
+        &mut self,
+        view: ViewId,
+        new: Option<(S::Value, bool)>,
+    ) -> Result<(), ViewError> {
         let revision = self.graph.next_revision();
         let view = self.view_mut(view)?;
-        view.held.insert(SlotKey::of::<S>().type_id(), SlotValue::new::<S>(value));
+        let slot = SlotKey::of::<S>();
+        match new {
+            Some((value, is_forced)) => {
+                let value = SlotValue::new::<S>(value);
+                view.held.insert(slot.type_id(), RootValue { slot, value, is_forced });
+            }
+            None => {
+                view.held.remove(&slot.type_id());
+            }
+        }
         view.values_since = revision;
         let root_site = view.root_site;
         self.cache.sites[root_site.0].key.clear();

@@ -5,11 +5,11 @@
 //! gets the same environment. Values are computed when somebody asks, by climbing to the nearest
 //! known one, and remembered on the whole way for the rest of the pass.
 
-use sapwood_geom::{Digest, FixedMap, fixed_state};
+use sapwood_geom::{Digest, Digester, FixedMap, fixed_state};
 use sapwood_graph::{EnvId, SiteId};
 use smallvec::SmallVec;
 
-use super::{SlotKey, SlotValue};
+use super::{Forced, SlotKey, SlotValue};
 
 /// The environment above all: a view's root.
 const ROOT: u32 = 0;
@@ -25,7 +25,15 @@ pub(crate) struct Above {
     /// The nearest environment from here upwards whose link pushes something: all below it, down
     /// to here, give most slots the same value.
     pushed: EnvId,
+    /// The number of the set of slots that are forced here.
+    forced: u32,
 }
+
+/// Slots whose values are forced, sorted.
+pub(crate) type ForcedSlots = SmallVec<[SlotKey; 2]>;
+
+/// The number of the empty set of forced slots.
+const NOTHING_FORCED: u32 = 0;
 
 /// What environments need to know of a link.
 #[derive(Clone, Copy)]
@@ -35,12 +43,17 @@ pub(crate) struct LinkFacts {
     pub(crate) is_emitted: bool,
     /// Whether it sets any slot for what is behind it.
     pub(crate) pushes: bool,
+    /// Whether it forces or protects any.
+    pub(crate) forces: bool,
 }
 
 /// What a link does to the slots of whoever is behind it.
 pub(crate) trait LinkPushes {
-    /// What a link pushes of `slot`.
-    fn push(&self, site: SiteId, link: u32, slot: SlotKey) -> Pushed<'_>;
+    /// What a link pushes of `slot`, where the inherited value is forced or not.
+    fn push(&self, site: SiteId, link: u32, slot: SlotKey, is_forced: bool) -> Pushed<'_>;
+
+    /// The slots that are forced behind a link, where `above` are forced before it.
+    fn forced(&self, site: SiteId, link: u32, above: ForcedSlots) -> ForcedSlots;
 
     /// The key of the child behind a link.
     fn child_key(&self, site: SiteId, link: u32) -> u64;
@@ -51,7 +64,7 @@ pub(crate) trait LinkPushes {
 
 /// The pushes of one slot at one link.
 pub(crate) enum Pushed<'a> {
-    /// The link leaves the slot alone.
+    /// The slot stays as it is.
     Nothing,
     /// The link replaces what is inherited.
     Replaced(&'a SlotValue),
@@ -65,6 +78,9 @@ pub(crate) struct Environments {
     /// The values known of each environment; few, for rules read few slots.
     values: Vec<SmallVec<[(SlotKey, SlotValue); 4]>>,
     entered: FixedMap<(EnvId, SiteId, u32), EnvId>,
+    /// The sets of forced slots: none, those of the root, and those behind links that force or
+    /// protect.
+    forced: Vec<ForcedSlots>,
 }
 
 impl Environments {
@@ -72,9 +88,10 @@ impl Environments {
         let mut new = Self {
             above: Vec::new(),
             values: Vec::new(),
+            forced: Vec::new(),
             entered: FixedMap::with_hasher(fixed_state()),
         };
-        new.clear();
+        new.clear(ForcedSlots::new());
         new
     }
 
@@ -82,29 +99,51 @@ impl Environments {
         EnvId(ROOT)
     }
 
-    /// Forgets everything but the root.
-    pub(crate) fn clear(&mut self) {
+    /// Forgets everything but the root, where these slots are forced.
+    pub(crate) fn clear(&mut self, forced: ForcedSlots) {
         self.above.clear();
         let nowhere = SiteId(u32::MAX);
         let root = EnvId(ROOT);
-        self.above.push(Above { env: root, site: nowhere, link: 0, n_emitted: 0, pushed: root });
+        self.forced.clear();
+        self.forced.push(ForcedSlots::new());
+        let root_forced = if forced.is_empty() { NOTHING_FORCED } else { 1 };
+        self.forced.push(forced);
+        self.above.push(Above {
+            env: root,
+            site: nowhere,
+            link: 0,
+            n_emitted: 0,
+            pushed: root,
+            forced: root_forced,
+        });
         self.values.clear();
         self.values.push(SmallVec::new());
         self.entered.clear();
     }
 
     /// The environment behind `link` of `site`.
-    pub(crate) fn enter(&mut self, env: EnvId, site: SiteId, link: LinkFacts) -> EnvId {
-        let Self { above, values, entered } = self;
+    pub(crate) fn enter(
+        &mut self,
+        pushes: &dyn LinkPushes,
+        env: EnvId,
+        site: SiteId,
+        link: LinkFacts,
+    ) -> EnvId {
+        let Self { above, values, entered, forced: sets } = self;
         *entered.entry((env, site, link.number)).or_insert_with(|| {
             let new = u32::try_from(above.len()).expect("a pass meets fewer than 2^32 places");
-            let Above { n_emitted, pushed, .. } = above[env.0 as usize];
+            let Above { n_emitted, pushed, mut forced, .. } = above[env.0 as usize];
+            if link.forces {
+                sets.push(pushes.forced(site, link.number, sets[forced as usize].clone()));
+                forced = sets.len() as u32 - 1;
+            }
             above.push(Above {
                 env,
                 site,
                 link: link.number,
                 n_emitted: if link.is_emitted { n_emitted + 1 } else { 0 },
                 pushed: if link.pushes { EnvId(new) } else { pushed },
+                forced,
             });
             values.push(SmallVec::new());
             EnvId(new)
@@ -126,8 +165,29 @@ impl Environments {
         values.iter().find(|(known, _)| *known == slot).map(|(_, value)| value)
     }
 
+    /// The slots that are forced in an environment.
+    fn forced(&self, env: EnvId) -> &ForcedSlots {
+        &self.forced[self.above[env.0 as usize].forced as usize]
+    }
+
+    /// The digest of everything that is forced in an environment.
+    fn forced_digest(&mut self, pushes: &dyn LinkPushes, env: EnvId) -> Digest {
+        let forced = self.forced(env).clone();
+        if forced.is_empty() {
+            return Digest::from_bits(0);
+        }
+        let mut digester = Digester::new();
+        for slot in forced {
+            digester.add(slot.name()).add(&self.digest(pushes, env, slot));
+        }
+        digester.finish()
+    }
+
     /// The digest of a slot's value.
     pub(crate) fn digest(&mut self, pushes: &dyn LinkPushes, env: EnvId, slot: SlotKey) -> Digest {
+        if slot == SlotKey::of::<Forced>() {
+            return self.forced_digest(pushes, env);
+        }
         match self.known(self.pushed(env, slot), slot) {
             Some(value) => value.digest,
             None => self.value(pushes, env, slot).digest,
@@ -153,7 +213,8 @@ impl Environments {
                 self.values[ROOT as usize].push((slot, value.clone()));
                 break value;
             };
-            let pushed = pushes.push(above.site, above.link, slot);
+            let is_forced = self.forced(above.env).contains(&slot);
+            let pushed = pushes.push(above.site, above.link, slot, is_forced);
             let replaced = match &pushed {
                 Pushed::Replaced(new) => Some(SlotValue::clone(new)),
                 Pushed::Nothing | Pushed::Merged(_) => None,

@@ -3,13 +3,16 @@
 mod built_in;
 mod environment;
 mod projection;
+mod push;
 mod reader;
 mod slot;
 
 pub use built_in::{ChildPath, Placement, Time, Viewer};
-pub(crate) use environment::{Environments, LinkFacts, LinkPushes, Pushed};
+pub(crate) use environment::{Environments, ForcedSlots, LinkFacts, LinkPushes, Pushed};
 pub use projection::Projection;
 pub(crate) use projection::{PANICKED, ProjectionKey};
+pub(crate) use push::Forced;
+pub use push::PushMode;
 pub use reader::SlotReader;
 pub use slot::{Held, Moving, Rate, Slot};
 pub(crate) use slot::{SlotKey, SlotValue};

@@ -1,0 +1,41 @@
+//! How a push stands against the pushes above and below it.
+
+use sapwood_geom::{Content, Digester};
+
+use super::{Held, Slot};
+
+/// How a push stands against what is inherited.
+///
+/// It is resolved where it stands: whoever is below sees one value, whatever the pushes above
+/// it were.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum PushMode {
+    /// Holds below, unless what is inherited was forced.
+    #[default]
+    Normal,
+    /// Holds below against every push further down that does not protect itself. What was
+    /// forced further up holds against this one too.
+    Force,
+    /// Holds below, even if what is inherited was forced; nothing is forced from here on.
+    Protect,
+    /// Leaves what is inherited as it is: a push that is turned off.
+    Inherit,
+}
+
+impl Content for PushMode {
+    fn write(&self, digester: &mut Digester) {
+        digester.add(&(*self as u8));
+    }
+}
+
+/// Stands for all values that are forced at a place together: whatever pushes something reads
+/// them, for they may stand against it.
+pub(crate) enum Forced {}
+
+impl Slot for Forced {
+    type Value = ();
+    type Rate = Held;
+    const NAME: &'static str = "forced";
+
+    fn default() {}
+}
