@@ -37,7 +37,7 @@ pub use log::{Action, Event};
 pub use planted_fault::PlantedFault;
 pub use rules::{Budget, CancelToken, Context, Rule, RuleError, RuleSet, VisitContext};
 pub use scene::Scene;
-pub use semantic::{Children, Component, EditError, Handle, NodeId};
+pub use semantic::{Children, Component, EditError, Handle, NodeId, Question};
 pub use slots::{
     ChildPath, Held, Moving, Placement, Projection, PushMode, Rate, Slot, SlotReader, Time, Viewer,
 };

@@ -48,9 +48,11 @@ impl Scene {
 
 /// Questions about the semantic graph.
 impl Scene {
-    /// A component, while it is in the scene.
+    /// A component, while it is in the scene, as the inputs make it that drive it.
     pub fn get<C: Component>(&self, handle: Handle<C>) -> Option<&C> {
-        self.graph.component(handle.id()).ok()?.downcast_ref()
+        let id = handle.id();
+        let effective = self.graph.effective(id).ok().or_else(|| self.graph.component(id).ok());
+        effective?.downcast_ref()
     }
 
     /// A handle on a node, if it holds a component of type `C`.

@@ -48,13 +48,16 @@ impl Pull<'_> {
         let slots = SlotReader::new(&pushes, environments, env);
         let mut cx = Context::new(slots, graph, node, limits, identity.kind);
         let component = match target {
-            Target::Authored(node) => graph.component(node).ok(),
-            Target::View(_) => None,
+            Target::Authored(node) => graph.effective(node),
+            Target::View(_) => Err("a view's root is no component".to_owned()),
             Target::Emitted(number) => {
-                Some(cache.emitted_storage.get(cache.emitted[number].component))
+                Ok(cache.emitted_storage.get(cache.emitted[number].component))
             }
         };
-        let component = component.expect("wants lead to components that exist");
+        let component = match component {
+            Ok(component) => component,
+            Err(message) => return Ok(cx.into_error(message)),
+        };
         let known = &cache.rules[rule as usize].rule;
         let outcome = catch_unwind(AssertUnwindSafe(|| known.init(component, &mut cx)));
         if let Some(why) = cx.interrupted() {

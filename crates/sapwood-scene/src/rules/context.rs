@@ -12,7 +12,7 @@ use sapwood_graph::{
 };
 use smallvec::SmallVec;
 
-use super::{Limits, Read, ReadKey};
+use super::{Limits, Read, ReadKey, RuleError};
 use crate::semantic::{AnyComponent, Graph};
 use crate::slots::{PANICKED, Placement, ProjectionKey, SlotKey, SlotReader, SlotValue};
 use crate::{Component, Held, NodeId, Projection, PushMode, Slot};
@@ -168,6 +168,23 @@ impl<'a> Context<'a> {
         }
     }
 
+    /// What the component's value sub-graph answers when it is asked for a slot; nothing where it
+    /// has none, or where nobody in it offers anything.
+    ///
+    /// # Errors
+    /// When something in the sub-graph cannot be asked; pass it on.
+    pub fn ask<S: Slot<Rate = Held>>(&self) -> Result<Option<Arc<S::Value>>, RuleError> {
+        let Some(node) = self.node else { return Ok(None) };
+        self.graph.ask::<S>(node).map_err(RuleError::Failed)
+    }
+
+    /// As [`ask`](Self::ask), the type forgotten.
+    pub(crate) fn ask_value(&self, slot: SlotKey) -> Result<Option<SlotValue>, RuleError> {
+        let top = self.node.and_then(|node| self.graph.values.asked_by(node));
+        let Some(top) = top else { return Ok(None) };
+        self.graph.answer(top, slot).map_err(RuleError::Failed)
+    }
+
     /// How many children the component has in the semantic graph; none if it was emitted.
     pub fn n_children(&self) -> usize {
         self.node.map_or(0, |node| self.graph.children(node).count())
@@ -177,11 +194,23 @@ impl<'a> Context<'a> {
     pub fn children(&mut self) {
         let Some(node) = self.node else { return };
         for (child, key) in self.graph.children(node) {
-            if let Ok(kind) = self.graph.kind(child) {
-                self.fragment.deferred(kind, None);
-                let target = DraftTarget::Authored(child);
-                self.draft.links.push(DraftLink { target, key, scope: self.scope });
-            }
+            self.authored(child, key);
+        }
+    }
+
+    /// Adds one of the component's own children, if it has so many.
+    pub fn child(&mut self, index: usize) {
+        let child = self.node.and_then(|node| self.graph.children(node).nth(index));
+        if let Some((child, key)) = child {
+            self.authored(child, key);
+        }
+    }
+
+    fn authored(&mut self, child: NodeId, key: u64) {
+        if let Ok(kind) = self.graph.kind(child) {
+            self.fragment.deferred(kind, None);
+            let target = DraftTarget::Authored(child);
+            self.draft.links.push(DraftLink { target, key, scope: self.scope });
         }
     }
 

@@ -140,3 +140,63 @@ impl Scene {
         edits(scope.0)
     }
 }
+
+/// What components get from others.
+impl Scene {
+    /// Makes a node ask the value sub-graph below `top` for the values that it does not hold
+    /// itself, or none any more. The sub-graph belongs to the node as its children do.
+    ///
+    /// # Errors
+    /// When either is gone, or the edge would close a cycle.
+    pub fn set_value_graph(
+        &mut self,
+        node: impl Into<NodeId>,
+        top: Option<NodeId>,
+    ) -> Result<(), EditError> {
+        self.graph.set_value_graph(node.into(), top)
+    }
+
+    /// The top of the value sub-graph that a node asks.
+    pub fn value_graph(&self, node: impl Into<NodeId>) -> Option<NodeId> {
+        self.graph.values.asked_by(node.into())
+    }
+
+    /// Lets `source` drive an input of `target`: whoever looks at the target sees it as `drive`
+    /// makes it of the fields that its user set. What drove that input before does so no longer.
+    ///
+    /// Nothing is computed before somebody looks, and nothing twice. A panic of `drive` fails
+    /// the target alone.
+    ///
+    /// # Errors
+    /// When either is gone, or the target drives the source, by whatever detour.
+    pub fn connect<A: Component, B: Component + Clone>(
+        &mut self,
+        source: Handle<A>,
+        target: Handle<B>,
+        input: &'static str,
+        drive: impl Fn(&A, &mut B) + Send + Sync + 'static,
+    ) -> Result<(), EditError> {
+        self.graph.connect(source.id(), target.id(), input, drive)
+    }
+
+    /// Leaves an input to its user again, and tells whether anything drove it.
+    ///
+    /// # Errors
+    /// When the target is gone.
+    pub fn disconnect(
+        &mut self,
+        target: impl Into<NodeId>,
+        input: &str,
+    ) -> Result<bool, EditError> {
+        self.graph.disconnect(target.into(), input)
+    }
+
+    /// What drives a component: sources and the inputs they drive, in the order in which they
+    /// were connected.
+    pub fn inputs(
+        &self,
+        target: impl Into<NodeId>,
+    ) -> impl Iterator<Item = (NodeId, &'static str)> + '_ {
+        self.graph.fields.inputs(target.into())
+    }
+}

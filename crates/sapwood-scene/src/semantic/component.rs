@@ -7,6 +7,8 @@ use std::marker::PhantomData;
 use sapwood_geom::Content;
 use sapwood_graph::Named;
 
+use super::Question;
+
 slotmap::new_key_type! {
     /// A node of the semantic graph. Stays unique after the node is removed.
     pub struct NodeId;
@@ -19,6 +21,13 @@ slotmap::new_key_type! {
 pub trait Component: Named + Content + Send + Sync {
     /// How many children a component of this kind can hold when it is placed in a scene.
     const CHILDREN: Children = Children::None;
+
+    /// Answers a question for the value of a slot where the component stands in a value
+    /// sub-graph: offers what it has and says where the question goes on. It goes on to all
+    /// children unless told otherwise.
+    fn answer(&self, question: &mut Question) {
+        question.children();
+    }
 }
 
 /// How many children a component can hold.

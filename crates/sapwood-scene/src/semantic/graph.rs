@@ -6,6 +6,8 @@ use sapwood_graph::Kind;
 use slotmap::SlotMap;
 
 use super::edges::{Edges, Ends, NO_EDGE};
+use super::fields::Fields;
+use super::values::ValueGraphs;
 use super::{ComponentRow, EditError, NodeId, Storage};
 use crate::{Children, Component};
 
@@ -28,6 +30,8 @@ pub(crate) struct Graph {
     pub(super) nodes: SlotMap<NodeId, Node>,
     pub(super) edges: Edges,
     pub(crate) storage: Storage,
+    pub(crate) values: ValueGraphs,
+    pub(crate) fields: Fields,
     pub(crate) revision: u64,
     /// The revision at which somebody last brought sites up to date; no site knows of a later
     /// one, so a mark younger than this stands for itself.
@@ -44,6 +48,8 @@ impl Graph {
             nodes: SlotMap::with_key(),
             edges: Edges::new(),
             storage: Storage::new(),
+            values: ValueGraphs::new(),
+            fields: Fields::new(),
             revision: 1,
             pulled_at: 0,
             bulk: None,
@@ -143,12 +149,7 @@ impl Graph {
             Some(index) if index == n => NO_EDGE,
             Some(index) => self.edge_at(parent, index)?,
         };
-        if let Some(path) = self.path_between(child, parent) {
-            let kind = |id| self.kind(id).map_or("?", Kind::name);
-            return Err(EditError::Cycle {
-                path: path.into_iter().map(|id| (id, kind(id))).collect(),
-            });
-        }
+        self.check_acyclic(parent, child)?;
         let key = self.nodes[parent].next_key;
         self.nodes[parent].next_key += 1;
         self.link(parent, before, child, key);
@@ -265,13 +266,21 @@ impl Graph {
             self.unlink(edge);
             self.touch(parent);
         }
+        for asker in self.values.askers(id).to_vec() {
+            self.stop_asking(asker);
+            self.touch(asker);
+        }
         let mut removed = Vec::new();
         let mut stack = vec![id];
         while let Some(id) = stack.pop() {
+            self.disconnect_all(id);
+            if let Some(top) = self.stop_asking(id).filter(|top| self.is_held_by_none(*top)) {
+                stack.push(top);
+            }
             while let Some(edge) = Some(self.nodes[id].ends.first).filter(|edge| *edge != NO_EDGE) {
                 let child = self.edges.get(edge).child;
                 self.unlink(edge);
-                if self.nodes[child].ends.ring == NO_EDGE {
+                if self.is_held_by_none(child) {
                     stack.push(child);
                 }
             }
@@ -282,6 +291,11 @@ impl Graph {
         }
         self.next_revision();
         Ok(removed)
+    }
+
+    /// Whether a node is no child and no value sub-graph of any other.
+    fn is_held_by_none(&self, id: NodeId) -> bool {
+        self.nodes[id].ends.ring == NO_EDGE && self.values.askers(id).is_empty()
     }
 
     /// The first fault found in the links between nodes and edges, for tests and debug builds.

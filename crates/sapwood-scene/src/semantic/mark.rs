@@ -31,9 +31,16 @@ impl Graph {
         if let Some(node) = self.nodes.get_mut(id) {
             node.edited = revision;
         }
+        let driven = self.outdate_driven(id);
         match &mut self.bulk {
-            Some(edited) => edited.push(id),
-            None => self.mark(id),
+            Some(edited) => {
+                edited.push(id);
+                edited.extend(driven);
+            }
+            None => {
+                self.mark(id);
+                driven.into_iter().for_each(|id| self.mark(id));
+            }
         }
     }
 
@@ -70,6 +77,14 @@ impl Graph {
             let ends = node.ends;
             for edge in self.edges.parents(ends) {
                 stack.push(self.edges.get(edge).parent);
+            }
+            // Who asks for values may get others: it is as if it had been edited itself.
+            for index in 0..self.values.askers(id).len() {
+                let asker = self.values.askers(id)[index];
+                if let Some(node) = self.nodes.get_mut(asker) {
+                    node.edited = revision;
+                }
+                stack.push(asker);
             }
         }
     }

@@ -8,11 +8,14 @@ mod component;
 mod cycle;
 mod edges;
 mod edit_error;
+mod fields;
 mod graph;
 mod mark;
 mod storage;
+mod values;
 
 pub use component::{Children, Component, Handle, NodeId};
 pub use edit_error::EditError;
 pub(crate) use graph::Graph;
 pub(crate) use storage::{AnyComponent, ComponentRow, Storage};
+pub use values::Question;

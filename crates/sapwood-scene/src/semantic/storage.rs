@@ -5,6 +5,7 @@ use std::any::{Any, TypeId};
 use sapwood_geom::{FixedMap, fixed_state};
 use sapwood_graph::Kind;
 
+use super::Question;
 use crate::column::{AnyColumn, Column};
 use crate::{Children, Component};
 
@@ -24,13 +25,24 @@ pub(crate) struct Storage {
 struct KindColumn {
     kind: Kind,
     children: Children,
+    answer: Answer,
     rows: Box<dyn AnyColumn>,
+}
+
+/// How components of one kind answer questions for values.
+pub(crate) type Answer = fn(&(dyn Any + Send + Sync), &mut Question);
+
+fn answer<C: Component>(component: &(dyn Any + Send + Sync), question: &mut Question) {
+    if let Some(component) = component.downcast_ref::<C>() {
+        component.answer(question);
+    }
 }
 
 /// A component on its way into the storage, its type forgotten.
 pub(crate) trait AnyComponent: Any + Send + Sync {
     fn kind(&self) -> Kind;
     fn children(&self) -> Children;
+    fn how_to_answer(&self) -> Answer;
     fn new_column(&self) -> Box<dyn AnyColumn>;
     fn into_any(self: Box<Self>) -> Box<dyn Any>;
 }
@@ -42,6 +54,10 @@ impl<C: Component> AnyComponent for C {
 
     fn children(&self) -> Children {
         C::CHILDREN
+    }
+
+    fn how_to_answer(&self) -> Answer {
+        answer::<C>
     }
 
     fn new_column(&self) -> Box<dyn AnyColumn> {
@@ -62,7 +78,8 @@ impl Storage {
         let kinds = &mut self.kinds;
         *self.by_type.entry(TypeId::of::<C>()).or_insert_with(|| {
             let rows = Box::new(Column::<C>::new());
-            kinds.push(KindColumn { kind: Kind::of::<C>(), children: C::CHILDREN, rows });
+            let (kind, children) = (Kind::of::<C>(), C::CHILDREN);
+            kinds.push(KindColumn { kind, children, answer: answer::<C>, rows });
             kinds.len() as u32 - 1
         })
     }
@@ -77,7 +94,8 @@ impl Storage {
         let kinds = &mut self.kinds;
         let kind = *self.by_type.entry((*component).type_id()).or_insert_with(|| {
             let (kind, children) = ((*component).kind(), (*component).children());
-            kinds.push(KindColumn { kind, children, rows: (*component).new_column() });
+            let (answer, rows) = ((*component).how_to_answer(), (*component).new_column());
+            kinds.push(KindColumn { kind, children, answer, rows });
             kinds.len() as u32 - 1
         });
         let row = self.kinds[kind as usize].rows.insert_boxed(component.into_any());
@@ -109,6 +127,16 @@ impl Storage {
 
     pub(crate) fn children(&self, at: ComponentRow) -> Children {
         self.kinds[at.kind as usize].children
+    }
+
+    /// Puts a question to a component of the kind that lies at `at`.
+    pub(crate) fn offer(
+        &self,
+        at: ComponentRow,
+        component: &(dyn Any + Send + Sync),
+        question: &mut Question,
+    ) {
+        (self.kinds[at.kind as usize].answer)(component, question);
     }
 
     pub(crate) fn get(&self, at: ComponentRow) -> &(dyn Any + Send + Sync) {

@@ -44,12 +44,23 @@ pub trait Slot: 'static {
     /// Whether the value changes from a parent to each of its children.
     const DESCENDS: bool = false;
 
+    /// Whether two values that a value sub-graph offers are combined; else the later one counts.
+    /// Slots that merge are merged unless they combine.
+    const COMBINES: bool = false;
+
     /// The value where nothing was pushed.
     fn default() -> Self::Value;
 
     /// What a push below `inherited` results in; asked only of slots that merge.
     fn merge(inherited: &Self::Value, pushed: &Self::Value) -> Self::Value {
         let _ = (inherited, pushed);
+        Self::default()
+    }
+
+    /// What an earlier and a later offer of a value sub-graph come to; asked only of slots that
+    /// combine.
+    fn combine(earlier: &Self::Value, later: &Self::Value) -> Self::Value {
+        let _ = (earlier, later);
         Self::default()
     }
 
@@ -94,6 +105,7 @@ struct SlotTable {
     rank: u64,
     default: fn() -> SlotValue,
     merge: Option<fn(&SlotValue, &SlotValue) -> SlotValue>,
+    combine: Option<fn(&SlotValue, &SlotValue) -> SlotValue>,
     descend: Option<fn(&SlotValue, u64) -> SlotValue>,
 }
 
@@ -108,6 +120,13 @@ impl<S: Slot> TableOf<S> {
         merge: if S::MERGES {
             Some(|inherited, pushed| {
                 SlotValue::new::<S>(S::merge(inherited.as_ref::<S>(), pushed.as_ref::<S>()))
+            })
+        } else {
+            None
+        },
+        combine: if S::COMBINES {
+            Some(|earlier, later| {
+                SlotValue::new::<S>(S::combine(earlier.as_ref::<S>(), later.as_ref::<S>()))
             })
         } else {
             None
@@ -148,6 +167,12 @@ impl SlotKey {
     /// The value below a push.
     pub(crate) fn merge(self, inherited: &SlotValue, pushed: &SlotValue) -> SlotValue {
         self.0.merge.map_or_else(|| pushed.clone(), |merge| merge(inherited, pushed))
+    }
+
+    /// What two offers of a value sub-graph come to.
+    pub(crate) fn combine(self, earlier: &SlotValue, later: &SlotValue) -> SlotValue {
+        let combine = self.0.combine.or(self.0.merge);
+        combine.map_or_else(|| later.clone(), |combine| combine(earlier, later))
     }
 
     /// The value for the child with this key.
