@@ -7,6 +7,7 @@
 mod bounds;
 mod box_tree;
 mod digest;
+mod edges;
 mod fixed_map;
 mod image;
 mod mesh;

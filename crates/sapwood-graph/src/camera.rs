@@ -2,6 +2,8 @@
 
 use sapwood_geom::{Content, Digester, content};
 
+use crate::Named;
+
 /// A camera at the origin of its frame, looking down the frame's -z axis with +y up, as in
 /// glTF.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +34,10 @@ pub enum Lens {
         /// Metres between the lower and the upper edge of the picture.
         height: f32,
     },
+}
+
+impl Named for Camera {
+    const NAME: &'static str = "camera";
 }
 
 impl Camera {

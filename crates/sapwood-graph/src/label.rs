@@ -3,6 +3,8 @@
 use sapwood_geom::glam::Vec3;
 use sapwood_geom::{Aabb, Bound, Content, Digester, content};
 
+use crate::Named;
+
 /// A line of text in the plane z = 0 of its frame, read from +z: the base line runs along +x,
 /// letters stand along +y.
 ///
@@ -31,6 +33,10 @@ pub enum Anchor {
     Middle,
     /// The end.
     End,
+}
+
+impl Named for Label {
+    const NAME: &'static str = "label";
 }
 
 impl Label {

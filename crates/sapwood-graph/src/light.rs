@@ -2,6 +2,8 @@
 
 use sapwood_geom::{Content, Digester, content};
 
+use crate::Named;
+
 /// A light at the origin of its frame, shining down the frame's -z axis as in glTF.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
@@ -37,6 +39,10 @@ pub enum LightShape {
         /// at most a right angle.
         outer: f32,
     },
+}
+
+impl Named for Light {
+    const NAME: &'static str = "light";
 }
 
 impl Light {

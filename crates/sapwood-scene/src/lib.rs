@@ -31,7 +31,10 @@ mod slots;
 mod view;
 mod view_error;
 
-pub use built_in::{Attribute, Group, HeldGeometry, Switch, Transform, built_in_rules};
+pub use built_in::{
+    Attribute, Billboard, Group, HeldGeometry, Kit, KitRule, KitTemplate, LevelOfDetail, Rotor,
+    Selector, Switch, Transform, built_in_rules,
+};
 pub use log::{Action, Event};
 #[cfg(feature = "planted-faults")]
 pub use planted_fault::PlantedFault;
@@ -39,7 +42,9 @@ pub use rules::{Budget, CancelToken, Context, Rule, RuleError, RuleSet, VisitCon
 pub use scene::Scene;
 pub use semantic::{Children, Component, EditError, Handle, NodeId, Question};
 pub use slots::{
-    ChildPath, Held, Moving, Placement, Projection, PushMode, Rate, Slot, SlotReader, Time, Viewer,
+    Cell, ChildPath, Choice, DistanceBand, Held, MaterialSlot, Moving, Placement, Projection,
+    PushMode, Rate, Shown, Side, SideOfBox, Slot, SlotReader, Style, StyleSlot, Time, Viewer,
+    Viewpoint,
 };
 pub use view::ViewId;
 pub use view_error::ViewError;

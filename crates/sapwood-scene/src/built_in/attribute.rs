@@ -4,7 +4,7 @@ use sapwood_geom::{Content, Digester};
 use sapwood_graph::Named;
 
 use crate::slots::{SlotKey, SlotValue};
-use crate::{Children, Component, Context, Held, PushMode, Rule, RuleError, Slot};
+use crate::{Children, Component, Context, Held, PushMode, Question, Rule, RuleError, Slot};
 
 /// Sets any number of held slots for its child.
 #[derive(Clone, Default)]
@@ -17,7 +17,15 @@ pub struct Attribute {
 struct Push {
     slot: SlotKey,
     mode: PushMode,
-    value: SlotValue,
+    source: Source,
+}
+
+/// Where a pushed value comes from.
+#[derive(Clone)]
+enum Source {
+    Held(SlotValue),
+    /// The attribute's value sub-graph; where that answers nothing, nothing is pushed.
+    Asked,
 }
 
 impl Attribute {
@@ -44,8 +52,23 @@ impl Attribute {
 
     /// Sets a slot, as strongly as `mode` says.
     pub fn set_as<S: Slot<Rate = Held>>(&mut self, mode: PushMode, value: S::Value) {
-        let (slot, value) = (SlotKey::of::<S>(), SlotValue::new::<S>(value));
-        let push = Push { slot, mode, value };
+        self.set_source::<S>(mode, Source::Held(SlotValue::new::<S>(value)));
+    }
+
+    /// Sets a slot to what the attribute's value sub-graph answers, as strongly as `mode` says.
+    /// Where it answers nothing, nothing is set.
+    pub fn ask_as<S: Slot<Rate = Held>>(&mut self, mode: PushMode) {
+        self.set_source::<S>(mode, Source::Asked);
+    }
+
+    /// The attribute with one more slot set to what its value sub-graph answers.
+    pub fn asking<S: Slot<Rate = Held>>(mut self) -> Self {
+        self.ask_as::<S>(PushMode::Normal);
+        self
+    }
+
+    fn set_source<S: Slot<Rate = Held>>(&mut self, mode: PushMode, source: Source) {
+        let push = Push { slot: SlotKey::of::<S>(), mode, source };
         match self.place::<S>() {
             Ok(place) => self.pushes[place] = push,
             Err(place) => self.pushes.insert(place, push),
@@ -79,8 +102,12 @@ impl Attribute {
 impl Content for Attribute {
     fn write(&self, digester: &mut Digester) {
         digester.add(&self.pushes.len());
-        for Push { slot, mode, value } in &self.pushes {
-            digester.add(slot.name()).add(mode).add(&value.digest);
+        for Push { slot, mode, source } in &self.pushes {
+            digester.add(slot.name()).add(mode);
+            match source {
+                Source::Held(value) => digester.add(&0u8).add(&value.digest),
+                Source::Asked => digester.add(&1u8),
+            };
         }
     }
 }
@@ -97,6 +124,15 @@ impl Named for Attribute {
 
 impl Component for Attribute {
     const CHILDREN: Children = Children::One;
+
+    fn answer(&self, question: &mut Question) {
+        for Push { slot, mode, source } in &self.pushes {
+            if let (Source::Held(value), true) = (source, *mode != PushMode::Inherit) {
+                question.offer_value(*slot, value);
+            }
+        }
+        question.children();
+    }
 }
 
 pub(super) struct AttributeRule;
@@ -107,17 +143,25 @@ impl Rule for AttributeRule {
     const NAME: &'static str = "attribute";
 
     fn init(&self, attribute: &Attribute, cx: &mut Context<'_>) -> Result<(), RuleError> {
-        push_all(&attribute.pushes, cx);
+        let mut pushes = Vec::new();
+        for Push { slot, mode, source } in &attribute.pushes {
+            let value = match source {
+                Source::Held(value) => Some(value.clone()),
+                Source::Asked => cx.ask_value(*slot)?,
+            };
+            pushes.extend(value.map(|value| (*slot, *mode, value)));
+        }
+        push_all(&pushes, cx);
         Ok(())
     }
 }
 
 /// Nests one push in another. Recurses once for each slot that the attribute sets, of which a
 /// program has as many as it has slot types.
-fn push_all(pushes: &[Push], cx: &mut Context<'_>) {
+fn push_all(pushes: &[(SlotKey, PushMode, SlotValue)], cx: &mut Context<'_>) {
     match pushes {
         [] => cx.children(),
-        [Push { slot, mode, value }, rest @ ..] => {
+        [(slot, mode, value), rest @ ..] => {
             cx.push_value(*slot, *mode, value.clone(), |cx| push_all(rest, cx));
         }
     }

@@ -1,14 +1,25 @@
 //! The built-in components, each with its rule.
 
 mod attribute;
+mod billboard;
+mod graph_nodes;
 mod group;
 mod held_geometry;
+mod kit;
+mod level_of_detail;
+mod rotor;
+mod selector;
 mod switch;
 mod transform;
 
 pub use attribute::Attribute;
+pub use billboard::Billboard;
 pub use group::Group;
 pub use held_geometry::HeldGeometry;
+pub use kit::{Kit, KitRule, KitTemplate};
+pub use level_of_detail::LevelOfDetail;
+pub use rotor::Rotor;
+pub use selector::Selector;
 pub use switch::Switch;
 pub use transform::Transform;
 
@@ -17,9 +28,19 @@ use crate::RuleSet;
 /// The rules of the built-in components; the layer that every rule set lies over.
 pub fn built_in_rules() -> RuleSet {
     RuleSet::new()
+        // Structure.
         .with(group::GroupRule)
+        .with(selector::SelectorRule)
+        .with(level_of_detail::LevelOfDetailRule)
+        // Attributes.
+        .with(attribute::AttributeRule)
         .with(transform::TransformRule)
         .with(switch::SwitchRule)
-        .with(attribute::AttributeRule)
+        .with(rotor::RotorRule)
+        .with(billboard::BillboardRule)
+        // What is there to see.
         .with(held_geometry::HeldGeometryRule)
+        .with(graph_nodes::LightRule)
+        .with(graph_nodes::CameraRule)
+        .with(graph_nodes::LabelRule)
 }

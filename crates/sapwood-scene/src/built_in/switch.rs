@@ -3,9 +3,10 @@
 use sapwood_geom::content;
 use sapwood_graph::Named;
 
-use crate::{Children, Component, Context, Rule, RuleError};
+use crate::{Children, Component, Context, Question, Rule, RuleError, Shown};
 
-/// An attribute that shows its child or hides it. What is hidden is not compiled.
+/// An attribute that shows its child or hides it. What is hidden is not compiled. Where it has a
+/// value sub-graph that answers for [`Shown`], that counts instead.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Switch {
     /// Whether the child is shown.
@@ -20,6 +21,13 @@ impl Named for Switch {
 
 impl Component for Switch {
     const CHILDREN: Children = Children::One;
+
+    fn answer(&self, question: &mut Question) {
+        question.offer::<Shown>(self.on);
+        if self.on {
+            question.children();
+        }
+    }
 }
 
 pub(super) struct SwitchRule;
@@ -30,7 +38,7 @@ impl Rule for SwitchRule {
     const NAME: &'static str = "switch";
 
     fn init(&self, switch: &Switch, cx: &mut Context<'_>) -> Result<(), RuleError> {
-        if switch.on {
+        if cx.ask::<Shown>()?.map_or(switch.on, |shown| *shown) {
             cx.children();
         }
         Ok(())

@@ -4,9 +4,10 @@ use sapwood_geom::glam::{Affine3, Vec3};
 use sapwood_geom::{Content, Digester};
 use sapwood_graph::Named;
 
-use crate::{Children, Component, Context, Rule, RuleError};
+use crate::{Children, Component, Context, Placement, Question, Rule, RuleError};
 
-/// An attribute that places its child: from the child's frame to the frame outside.
+/// An attribute that places its child: from the child's frame to the frame outside. Where it has
+/// a value sub-graph, the product of the transforms in there follows its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transform(pub Affine3);
 
@@ -29,6 +30,11 @@ impl Named for Transform {
 
 impl Component for Transform {
     const CHILDREN: Children = Children::One;
+
+    fn answer(&self, question: &mut Question) {
+        question.offer::<Placement>(self.0);
+        question.children();
+    }
 }
 
 pub(super) struct TransformRule;
@@ -39,13 +45,12 @@ impl Rule for TransformRule {
     const NAME: &'static str = "transform";
 
     fn init(&self, transform: &Transform, cx: &mut Context<'_>) -> Result<(), RuleError> {
-        if !transform.0.is_finite() {
-            return Err(RuleError::Failed(format!(
-                "the transform is not finite: {:?}",
-                transform.0
-            )));
+        let asked = cx.ask::<Placement>()?;
+        let whole = asked.map_or(transform.0, |asked| transform.0 * *asked);
+        if !whole.is_finite() {
+            return Err(RuleError::Failed(format!("the transform is not finite: {whole:?}")));
         }
-        cx.transform(transform.0, Context::children);
+        cx.transform(whole, Context::children);
         Ok(())
     }
 }

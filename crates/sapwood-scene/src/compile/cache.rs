@@ -80,6 +80,10 @@ pub(crate) struct Site {
     pub(crate) is_closed: bool,
     /// Whether the site or something below it has live values.
     pub(crate) is_moving: bool,
+    /// Whether the site or something below it was compiled by a projection that remembers.
+    pub(crate) remembers: bool,
+    /// The revision at which the site was made.
+    pub(crate) made_at: u64,
     /// In the site's own frame; known of closed sites.
     pub(crate) bound: Option<Bound>,
     pub(crate) live: Box<[Affine3]>,
@@ -267,6 +271,8 @@ impl Cache {
             verified: 0,
             is_closed: false,
             is_moving: false,
+            remembers: false,
+            made_at: 0,
             bound: None,
             live: Box::default(),
             visit_error: None,

@@ -4,12 +4,13 @@
 //! are found by the values. Nothing is said of the place: a component that reads nothing has one
 //! plan however often it occurs.
 
-use sapwood_graph::{EnvId, Interrupted};
+use sapwood_graph::{EnvId, Interrupted, SiteId};
 
 use super::cache::{Cache, Plan, Target};
 use super::pull::Pull;
 use super::pushes::Pushes;
 use crate::log::Action;
+use crate::rules::Memories;
 use crate::slots::SlotReader;
 
 impl Pull<'_> {
@@ -19,12 +20,14 @@ impl Pull<'_> {
         target: Target,
         rule: u32,
         env: EnvId,
+        previous: Option<SiteId>,
     ) -> Result<u32, Interrupted> {
+        let memories = self.memories(target, rule, previous);
         let revision = match target {
             Target::Authored(node) => self.graph.node(node).map_or(0, |node| node.edited),
             Target::View(_) | Target::Emitted(_) => 0,
         };
-        if let Some(plan) = self.find(target, rule, revision, env) {
+        if let Some(plan) = self.find(target, rule, revision, env, &memories) {
             let identity = self.cache.rules[rule as usize].identity;
             self.cache.log.note(Action::Reused, identity.kind, identity.name);
             if self.cache.is_checking {
@@ -33,7 +36,7 @@ impl Pull<'_> {
             return Ok(plan);
         }
         let limits = self.limits();
-        let draft = self.init(target, rule, env, &limits)?;
+        let draft = self.init(target, rule, env, memories, &limits)?;
         let new = self.publish(target, rule, revision, draft)?;
         let kept = self.equal_outdated(target, rule, new).unwrap_or(new);
         if kept != new {
@@ -44,8 +47,23 @@ impl Pull<'_> {
         Ok(kept)
     }
 
+    /// What projections remember of the plan that stood at a place before.
+    fn memories(&self, target: Target, rule: u32, previous: Option<SiteId>) -> Memories {
+        let Some(previous) = previous else { return Memories::default() };
+        let plan = self.cache.plan_of(previous);
+        let is_same = plan.target == target && plan.rule == rule;
+        if is_same { Memories::of(&plan.reads) } else { Memories::default() }
+    }
+
     /// The plan whose reads give the same values in `env`.
-    fn find(&mut self, target: Target, rule: u32, revision: u64, env: EnvId) -> Option<u32> {
+    fn find(
+        &mut self,
+        target: Target,
+        rule: u32,
+        revision: u64,
+        env: EnvId,
+        memories: &Memories,
+    ) -> Option<u32> {
         let Cache { plans, groups, .. } = &mut *self.cache;
         let group = groups.get_mut(&(target, rule))?;
         if group.revision != revision {
@@ -59,7 +77,7 @@ impl Pull<'_> {
         cache
             .groups
             .get(&(target, rule))?
-            .find(|key| key.read_again(&mut SlotReader::new(&pushes, environments, env)))
+            .find(|key| key.read_again(&mut SlotReader::new(&pushes, environments, env), memories))
     }
 
     /// A plan of an earlier edit that reads the same values and is equal.

@@ -9,7 +9,7 @@ use super::cache::Target;
 use super::pull::Pull;
 use super::pushes::Pushes;
 use crate::log::Action;
-use crate::rules::{Context, Draft, Limits, RuleError};
+use crate::rules::{Context, Draft, Limits, Memories, RuleError};
 use crate::slots::SlotReader;
 
 impl Pull<'_> {
@@ -33,6 +33,7 @@ impl Pull<'_> {
         target: Target,
         rule: u32,
         env: EnvId,
+        memories: Memories,
         limits: &Limits,
     ) -> Result<Draft, Interrupted> {
         limits.check_cancelled()?;
@@ -46,7 +47,7 @@ impl Pull<'_> {
             Target::View(_) | Target::Emitted(_) => None,
         };
         let slots = SlotReader::new(&pushes, environments, env);
-        let mut cx = Context::new(slots, graph, node, limits, identity.kind);
+        let mut cx = Context::new(slots, graph, node, memories, limits, identity.kind);
         let component = match target {
             Target::Authored(node) => graph.effective(node),
             Target::View(_) => Err("a view's root is no component".to_owned()),
@@ -80,13 +81,13 @@ impl Pull<'_> {
     /// When the rule makes something else of the same reads: it is no pure function, or a read
     /// went unrecorded.
     pub(super) fn check(&mut self, plan: u32, env: EnvId) -> Result<(), Interrupted> {
-        let (target, rule, revision) = {
+        let (target, rule, revision, memories) = {
             let plan = &self.cache.plans[plan];
-            (plan.target, plan.rule, plan.revision)
+            (plan.target, plan.rule, plan.revision, Memories::of(&plan.reads))
         };
         let was_on = std::mem::replace(&mut self.cache.log.is_on, false);
         let limits = self.limits().without_budget();
-        let again = self.init(target, rule, env, &limits);
+        let again = self.init(target, rule, env, memories, &limits);
         let again = again.map(|draft| self.publish_unlimited(target, rule, revision, draft));
         self.cache.log.is_on = was_on;
         let again = again?;

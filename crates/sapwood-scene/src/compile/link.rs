@@ -45,7 +45,10 @@ impl Pull<'_> {
                 self.cache.sites[site.0].links[link as usize] = Link::Site(child);
                 self.grow(child_env);
                 if self.cache.sites[child.0].is_moving {
-                    self.note_moving(child_env);
+                    self.note_above(child_env, |site| std::mem::replace(&mut site.is_moving, true));
+                }
+                if self.cache.sites[child.0].remembers {
+                    self.note_above(child_env, |site| std::mem::replace(&mut site.remembers, true));
                 }
             }
             Err(diagnostic) => {
@@ -92,7 +95,7 @@ impl Pull<'_> {
             );
             return Ok(Err(Diagnostic { kind, message }));
         }
-        let plan = self.plan_for(target, rule, env)?;
+        let plan = self.plan_for(target, rule, env, previous)?;
         Ok(Ok(self.site_for(plan, env, previous)))
     }
 
@@ -111,7 +114,9 @@ impl Pull<'_> {
             if let Some(&site) = self.cache.site_index.get(&index_of(plan, self.number, &key)) {
                 let found = &self.cache.sites[site.0];
                 let is_ours = found.plan == plan && found.view == self.number;
-                if is_ours && self.fits(site, env) {
+                // What remembers is taken over from place to place, never found again.
+                let is_present = !found.remembers || found.made_at == self.graph.revision;
+                if is_ours && is_present && self.fits(site, env) {
                     self.visit_below(site);
                     return site;
                 }
@@ -136,6 +141,8 @@ impl Pull<'_> {
             verified: 0,
             is_closed: false,
             is_moving: n_live > 0,
+            made_at: self.graph.revision,
+            remembers: row.reads.iter().any(|read| read.memory.is_some()),
             bound: None,
             live: vec![sapwood_geom::glam::Affine3::IDENTITY; n_live].into(),
             visit_error: None,
@@ -208,12 +215,12 @@ impl Pull<'_> {
         }
     }
 
-    /// Notes that something moves below every site above a place, so that ticks reach it.
-    fn note_moving(&mut self, env: EnvId) {
+    /// Notes something of every site above a place, up to one where `note` says that it was
+    /// noted before.
+    fn note_above(&mut self, env: EnvId, note: impl Fn(&mut Site) -> bool) {
         let mut at = env;
         while let Some(above) = self.environments().above(at) {
-            let row = &mut self.cache.sites[above.site.0];
-            if std::mem::replace(&mut row.is_moving, true) {
+            if note(&mut self.cache.sites[above.site.0]) {
                 return;
             }
             at = above.env;
@@ -236,9 +243,16 @@ impl Pull<'_> {
         if !is_known {
             plan.slot_sets.push(row.key.iter().map(|(slot, _)| *slot).collect());
         }
-        if *self.cache.site_index.entry(index).or_insert(site) == site {
-            self.cache.sites[site.0].indices.push(index);
+        let found = *self.cache.site_index.entry(index).or_insert(site);
+        if found != site {
+            let old = &mut self.cache.sites[found.0];
+            if !old.remembers || old.made_at == self.graph.revision {
+                return;
+            }
+            old.indices.retain(|known| *known != index);
+            self.cache.site_index.insert(index, site);
         }
+        self.cache.sites[site.0].indices.push(index);
     }
 }
 

@@ -75,7 +75,7 @@ impl LinkPushes for Pushes<'_> {
         match values.as_slice() {
             [] => Pushed::Nothing,
             [value] if !slot.merges() => Pushed::Replaced(value),
-            values => Pushed::Merged(values.iter().map(|value| SlotValue::clone(value)).collect()),
+            values => Pushed::Merged(values.iter().copied().cloned().collect()),
         }
     }
 

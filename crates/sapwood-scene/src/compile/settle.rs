@@ -90,7 +90,9 @@ impl Pull<'_> {
         self.make_key_exact(site);
         let bound = self.bound_of(site);
         let is_moving = self.is_moving(site);
+        let remembers = self.remembers(site);
         let row = &mut self.cache.sites[site.0];
+        row.remembers = remembers;
         row.is_closed = true;
         row.verified = self.graph.revision;
         row.bound = bound;
@@ -121,6 +123,11 @@ impl Pull<'_> {
     fn is_moving(&self, site: SiteId) -> bool {
         !self.cache.sites[site.0].live.is_empty()
             || self.linked(site).any(|child| self.cache.sites[child.0].is_moving)
+    }
+
+    fn remembers(&self, site: SiteId) -> bool {
+        self.cache.plan_of(site).reads.iter().any(|read| read.memory.is_some())
+            || self.linked(site).any(|child| self.cache.sites[child.0].remembers)
     }
 
     /// Drops slots from the key that nothing reads any more.

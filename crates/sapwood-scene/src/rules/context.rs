@@ -12,9 +12,9 @@ use sapwood_graph::{
 };
 use smallvec::SmallVec;
 
-use super::{Limits, Read, ReadKey, RuleError};
+use super::{Limits, Memories, Read, ReadKey, RuleError, forced_digest};
 use crate::semantic::{AnyComponent, Graph};
-use crate::slots::{PANICKED, Placement, ProjectionKey, SlotKey, SlotReader, SlotValue};
+use crate::slots::{Memory, PANICKED, Placement, ProjectionKey, SlotKey, SlotReader, SlotValue};
 use crate::{Component, Held, NodeId, Projection, PushMode, Slot};
 
 /// "Below no push" in links and scopes.
@@ -28,6 +28,7 @@ pub struct Context<'a> {
     slots: SlotReader<'a>,
     graph: &'a Graph,
     node: Option<NodeId>,
+    memories: Memories,
     limits: &'a Limits,
     component: Kind,
     triangles: u64,
@@ -92,6 +93,7 @@ impl<'a> Context<'a> {
         slots: SlotReader<'a>,
         graph: &'a Graph,
         node: Option<NodeId>,
+        memories: Memories,
         limits: &'a Limits,
         component: Kind,
     ) -> Self {
@@ -99,6 +101,7 @@ impl<'a> Context<'a> {
             slots,
             graph,
             node,
+            memories,
             limits,
             component,
             triangles: 0,
@@ -136,35 +139,54 @@ impl<'a> Context<'a> {
     pub fn read<S: Slot<Rate = Held>>(&mut self) -> Arc<S::Value> {
         let slot = SlotKey::of::<S>();
         let value = self.slots.value(slot);
-        self.record(ReadKey::Slot(slot), value.digest);
+        self.record(Read { key: ReadKey::Slot(slot), value: value.digest, memory: None });
         value.typed::<S>()
+    }
+
+    /// A value of the component's own, unless the slot is forced here: as if the component
+    /// pushed the value for itself.
+    pub fn own_or_forced<S: Slot<Rate = Held>>(&mut self, own: Arc<S::Value>) -> Arc<S::Value> {
+        let slot = SlotKey::of::<S>();
+        let forced = self.slots.forced_value(slot);
+        let (key, value) = (ReadKey::Forced(slot), forced_digest(forced.as_ref()));
+        self.record(Read { key, value, memory: None });
+        forced.map_or(own, |forced| forced.typed::<S>())
     }
 
     /// The value of a projection at this place. The plan is used again wherever the projection
     /// gives the same, whatever the slots behind it.
     pub fn project<P: Projection>(&mut self, projection: P) -> P::Output {
+        let projection = Arc::new(projection);
+        let key = ProjectionKey::new(Arc::clone(&projection));
         let mut reader = self.slots.fork();
-        let output = catch_unwind(AssertUnwindSafe(|| projection.compute(&mut reader)));
+        let standing = self.memories.standing(&key, &mut reader);
+        let standing = standing.and_then(|read| read.memory.as_ref()?.downcast_ref::<P::Output>());
+        let output = match standing {
+            Some(output) => Ok(output.clone()),
+            None => catch_unwind(AssertUnwindSafe(|| projection.compute(&mut reader))),
+        };
         let slots: Arc<[SlotKey]> = reader.slots.as_slice().into();
         for slot in slots.iter() {
             if let Err(place) = self.slots.slots.binary_search(slot) {
                 self.slots.slots.insert(place, *slot);
             }
         }
-        let key = ReadKey::Projection(Arc::new(ProjectionKey::new(projection, slots)));
         let digest = output.as_ref().map_or(PANICKED, Digest::of);
-        self.record(key, digest);
+        let memory = output.as_ref().ok().filter(|_| P::REMEMBERS);
+        let memory = memory.map(|output| Arc::new(output.clone()) as Memory);
+        let key = ReadKey::Projection(Arc::new(key.reading(slots)));
+        self.record(Read { key, value: digest, memory });
         // What was read is recorded, so the component is tried again when that changes.
         output.unwrap_or_else(|panic| resume_unwind(panic))
     }
 
-    fn record(&mut self, key: ReadKey, value: Digest) {
+    fn record(&mut self, read: Read) {
         #[cfg(feature = "planted-faults")]
-        if self.limits.drops_reads && key.name() == Placement::NAME {
+        if self.limits.drops_reads && read.key.name() == Placement::NAME {
             return;
         }
-        if !self.draft.reads.iter().any(|read| read.key.asks_same(&key)) {
-            self.draft.reads.push(Read { key, value });
+        if !self.draft.reads.iter().any(|known| known.key.asks_same(&read.key)) {
+            self.draft.reads.push(read);
         }
     }
 

@@ -10,7 +10,7 @@ pub use context::Context;
 pub(crate) use context::{Draft, DraftTarget, NO_SCOPE, Scope, no_data};
 pub(crate) use limits::Limits;
 pub use limits::{Budget, CancelToken};
-pub(crate) use reads::{Read, ReadKey};
+pub(crate) use reads::{Memories, Read, ReadKey, forced_digest};
 pub(crate) use rule::{AnyRule, RuleIdentity};
 pub use rule::{Rule, RuleError, VisitContext};
 pub use rule_set::RuleSet;

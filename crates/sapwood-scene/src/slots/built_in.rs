@@ -1,8 +1,10 @@
 //! The slots that the scene itself knows.
+//!
+//! Held ones first, then those that move.
 
-use sapwood_geom::StreamPath;
-use sapwood_geom::glam::Affine3;
-use sapwood_graph::Eye;
+use sapwood_geom::glam::{Affine3, Vec3};
+use sapwood_geom::{Content, Digester, StreamPath};
+use sapwood_graph::{Eye, Material};
 
 use super::{Held, Moving, Slot};
 
@@ -45,6 +47,96 @@ impl Slot for ChildPath {
 
     fn descend(value: &StreamPath, key: u64) -> StreamPath {
         value.child(key)
+    }
+}
+
+/// How geometry is to be shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Style {
+    /// As surfaces.
+    #[default]
+    Solid,
+    /// As the edges of its triangles.
+    Wire,
+    /// As the lines that it was grown along; as its edges where there are none.
+    Skeleton,
+}
+
+impl Content for Style {
+    fn write(&self, digester: &mut Digester) {
+        digester.add(&(*self as u8));
+    }
+}
+
+/// The style of whatever draws below.
+#[derive(Debug)]
+pub enum StyleSlot {}
+
+impl Slot for StyleSlot {
+    type Value = Style;
+    type Rate = Held;
+    const NAME: &'static str = "style";
+
+    fn default() -> Style {
+        Style::Solid
+    }
+}
+
+/// The material of geometry that has none of its own, and of all geometry where it is forced.
+#[derive(Debug)]
+pub enum MaterialSlot {}
+
+impl Slot for MaterialSlot {
+    type Value = Material;
+    type Rate = Held;
+    const NAME: &'static str = "material";
+
+    fn default() -> Material {
+        Material::matte("plain", 0.5, 0.5, 0.5)
+    }
+}
+
+/// Whether a switch shows what is below it, where it asks a value sub-graph.
+#[derive(Debug)]
+pub enum Shown {}
+
+impl Slot for Shown {
+    type Value = bool;
+    type Rate = Held;
+    const NAME: &'static str = "shown";
+
+    fn default() -> bool {
+        true
+    }
+}
+
+/// Which child a selector shows, where it asks a value sub-graph.
+#[derive(Debug)]
+pub enum Choice {}
+
+impl Slot for Choice {
+    type Value = Option<usize>;
+    type Rate = Held;
+    const NAME: &'static str = "choice";
+
+    fn default() -> Option<usize> {
+        None
+    }
+}
+
+/// From where detail is judged, in the frame of the view's root: levels of detail are chosen by
+/// the distance to it. It is held, not moving, for another level is another plan: set it when
+/// the viewer has gone far enough to matter.
+#[derive(Debug)]
+pub enum Viewpoint {}
+
+impl Slot for Viewpoint {
+    type Value = Option<Vec3>;
+    type Rate = Held;
+    const NAME: &'static str = "viewpoint";
+
+    fn default() -> Option<Vec3> {
+        None
     }
 }
 

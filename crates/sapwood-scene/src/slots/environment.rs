@@ -170,6 +170,11 @@ impl Environments {
         &self.forced[self.above[env.0 as usize].forced as usize]
     }
 
+    /// Whether a slot is forced in an environment.
+    pub(crate) fn is_forced(&self, env: EnvId, slot: SlotKey) -> bool {
+        self.forced(env).contains(&slot)
+    }
+
     /// The digest of everything that is forced in an environment.
     fn forced_digest(&mut self, pushes: &dyn LinkPushes, env: EnvId) -> Digest {
         let forced = self.forced(env).clone();
@@ -213,7 +218,7 @@ impl Environments {
                 self.values[ROOT as usize].push((slot, value.clone()));
                 break value;
             };
-            let is_forced = self.forced(above.env).contains(&slot);
+            let is_forced = self.is_forced(above.env, slot);
             let pushed = pushes.push(above.site, above.link, slot, is_forced);
             let replaced = match &pushed {
                 Pushed::Replaced(new) => Some(SlotValue::clone(new)),

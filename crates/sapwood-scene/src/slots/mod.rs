@@ -2,15 +2,19 @@
 
 mod built_in;
 mod environment;
+mod places;
 mod projection;
 mod push;
 mod reader;
 mod slot;
 
-pub use built_in::{ChildPath, Placement, Time, Viewer};
+pub use built_in::{
+    ChildPath, Choice, MaterialSlot, Placement, Shown, Style, StyleSlot, Time, Viewer, Viewpoint,
+};
 pub(crate) use environment::{Environments, ForcedSlots, LinkFacts, LinkPushes, Pushed};
+pub use places::{Cell, DistanceBand, Side, SideOfBox};
 pub use projection::Projection;
-pub(crate) use projection::{PANICKED, ProjectionKey};
+pub(crate) use projection::{Memory, PANICKED, ProjectionKey};
 pub(crate) use push::Forced;
 pub use push::PushMode;
 pub use reader::SlotReader;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use sapwood_graph::EnvId;
 use smallvec::SmallVec;
 
-use super::{Environments, Held, LinkPushes, Slot, SlotKey, SlotValue};
+use super::{Environments, Forced, Held, LinkPushes, Slot, SlotKey, SlotValue};
 
 /// Reads held slots in one environment.
 pub struct SlotReader<'a> {
@@ -50,6 +50,17 @@ impl<'a> SlotReader<'a> {
             self.slots.insert(place, slot);
         }
         self.environments.value(self.pushes, self.env, slot)
+    }
+
+    /// The value of a slot if it is forced here.
+    pub(crate) fn forced_value(&mut self, slot: SlotKey) -> Option<SlotValue> {
+        let forced = SlotKey::of::<Forced>();
+        if let Err(place) = self.slots.binary_search(&forced) {
+            self.slots.insert(place, forced);
+        }
+        self.environments
+            .is_forced(self.env, slot)
+            .then(|| self.environments.value(self.pushes, self.env, slot))
     }
 
     /// The slots that were read, as plans keep them.
