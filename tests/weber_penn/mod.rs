@@ -7,5 +7,6 @@ mod extremes;
 mod seeds;
 mod snapshots;
 mod species;
+mod styles;
 mod targets;
 mod trees;

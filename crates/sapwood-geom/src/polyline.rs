@@ -1,6 +1,6 @@
 //! Polylines with radii: what a stem looks like without its surface.
 
-use glam::Vec3;
+use glam::{Affine3, Vec3};
 
 use crate::{Bound, Content, Digester};
 
@@ -17,6 +17,12 @@ impl Polyline {
     /// The bound of the points; radii do not count, for a line has no thickness.
     pub fn bound(&self) -> Bound {
         Bound::of_points(self.points.iter().copied())
+    }
+
+    /// The line after `transform`; radii stay as they are.
+    pub fn transformed(&self, transform: &Affine3) -> Self {
+        let points = self.points.iter().map(|point| transform.transform_point3(*point));
+        Self { points: points.collect(), radii: self.radii.clone() }
     }
 }
 

@@ -43,7 +43,7 @@ pub use scene::Scene;
 pub use semantic::{Children, Component, EditError, Handle, NodeId, Question};
 pub use slots::{
     Cell, ChildPath, Choice, DistanceBand, Held, MaterialSlot, Moving, Placement, Projection,
-    PushMode, Rate, Shown, Side, SideOfBox, Slot, SlotReader, Style, StyleSlot, Time, Viewer,
+    PushMode, Rate, Side, SideOfBox, Slot, SlotReader, Style, StyleSlot, SwitchedOn, Time, Viewer,
     Viewpoint,
 };
 pub use view::ViewId;

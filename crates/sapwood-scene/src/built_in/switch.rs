@@ -3,10 +3,10 @@
 use sapwood_geom::content;
 use sapwood_graph::Named;
 
-use crate::{Children, Component, Context, Question, Rule, RuleError, Shown};
+use crate::{Children, Component, Context, Question, Rule, RuleError, SwitchedOn};
 
 /// An attribute that shows its child or hides it. What is hidden is not compiled. Where it has a
-/// value sub-graph that answers for [`Shown`], that counts instead.
+/// value sub-graph that answers for [`SwitchedOn`], that counts instead.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Switch {
     /// Whether the child is shown.
@@ -23,7 +23,7 @@ impl Component for Switch {
     const CHILDREN: Children = Children::One;
 
     fn answer(&self, question: &mut Question) {
-        question.offer::<Shown>(self.on);
+        question.offer::<SwitchedOn>(self.on);
         if self.on {
             question.children();
         }
@@ -38,7 +38,7 @@ impl Rule for SwitchRule {
     const NAME: &'static str = "switch";
 
     fn init(&self, switch: &Switch, cx: &mut Context<'_>) -> Result<(), RuleError> {
-        if cx.ask::<Shown>()?.map_or(switch.on, |shown| *shown) {
+        if cx.ask::<SwitchedOn>()?.map_or(switch.on, |on| *on) {
             cx.children();
         }
         Ok(())

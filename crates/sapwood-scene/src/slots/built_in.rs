@@ -98,12 +98,12 @@ impl Slot for MaterialSlot {
 
 /// Whether a switch shows what is below it, where it asks a value sub-graph.
 #[derive(Debug)]
-pub enum Shown {}
+pub enum SwitchedOn {}
 
-impl Slot for Shown {
+impl Slot for SwitchedOn {
     type Value = bool;
     type Rate = Held;
-    const NAME: &'static str = "shown";
+    const NAME: &'static str = "switched_on";
 
     fn default() -> bool {
         true

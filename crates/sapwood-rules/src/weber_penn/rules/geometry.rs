@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 use glam::{Affine3, Mat3};
 use sapwood_geom::{FixedMap, Shared, SharedMesh, fixed_state};
 use sapwood_graph::Shown;
-use sapwood_scene::{Context, Rule, RuleError};
+use sapwood_scene::{Context, MaterialSlot, Rule, RuleError, Style, StyleSlot};
 
 use super::super::slots::{
     BarkSlot, CrownSlot, DetailSlot, FoliageSlot, LeafTargetSlot, LeavesSlot, TrunkFormSlot,
@@ -13,8 +13,9 @@ use super::super::slots::{
 use super::super::{
     Leaf, LeafShape, Leaves, Species, Stem, StemSurface, TrunkForm, leaf_mesh, leaves, surface,
 };
+use super::skeleton::draw_stem_lines;
 
-/// Compiles stems into one mesh of tubes.
+/// Compiles stems into one mesh of tubes, or what else the style asks for.
 pub(super) struct StemSurfaceRule;
 
 impl Rule for StemSurfaceRule {
@@ -23,6 +24,11 @@ impl Rule for StemSurfaceRule {
     const NAME: &'static str = "weber_penn.stem_surface";
 
     fn init(&self, of: &StemSurface, cx: &mut Context<'_>) -> Result<(), RuleError> {
+        let style = *cx.read::<StyleSlot>();
+        if style == Style::Skeleton {
+            draw_stem_lines(of, cx);
+            return Ok(());
+        }
         let detail = cx.read::<DetailSlot>();
         let bark = cx.read::<BarkSlot>();
         let is_trunk = of.stems.stems.iter().any(|stem| stem.seed.level == 0);
@@ -39,7 +45,13 @@ impl Rule for StemSurfaceRule {
             cx.reserve_triangles(triangles as u64)
         };
         let mesh = surface(&of.stems, &form, &detail, charge)?;
-        if !mesh.is_empty() {
+        if mesh.is_empty() {
+            return Ok(());
+        }
+        if style == Style::Wire {
+            cx.lines(Shared::new(mesh.edges()));
+        } else {
+            let bark = cx.own_or_forced::<MaterialSlot>(bark);
             cx.mesh(SharedMesh::new(mesh), bark);
             cx.shows(Shown::spans::<Stem>(ends));
         }
@@ -47,7 +59,7 @@ impl Rule for StemSurfaceRule {
     }
 }
 
-/// Compiles leaves into instances of one mesh.
+/// Compiles leaves into instances of one mesh, or what else the style asks for.
 pub(super) struct LeavesRule {
     /// The mesh of each shape that was asked for: a constant, made once and shared by all.
     meshes: Mutex<FixedMap<LeafShape, SharedMesh>>,
@@ -73,6 +85,10 @@ impl Rule for LeavesRule {
     const NAME: &'static str = "weber_penn.leaves";
 
     fn init(&self, on: &Leaves, cx: &mut Context<'_>) -> Result<(), RuleError> {
+        let style = *cx.read::<StyleSlot>();
+        if style == Style::Skeleton {
+            return Ok(());
+        }
         let crown = cx.read::<CrownSlot>();
         let params = cx.read::<LeavesSlot>();
         let target = cx.read::<LeafTargetSlot>();
@@ -84,12 +100,22 @@ impl Rule for LeavesRule {
             cx.reserve_triangles(leaves as u64 * n_triangles)
         };
         let leaves = leaves(&on.stems, &crown, &params, &target, &mut charge)?;
-        if !leaves.is_empty() {
+        if leaves.is_empty() {
+            return Ok(());
+        }
+        if style == Style::Wire {
+            let edges = mesh.edges();
+            let at_each = leaves.iter().map(placed);
+            let lines =
+                at_each.flat_map(|place| edges.iter().map(move |edge| edge.transformed(&place)));
+            cx.lines(Shared::new(lines.collect()));
+        } else {
+            let foliage = cx.own_or_forced::<MaterialSlot>(foliage);
             let transforms = leaves.iter().map(placed).collect();
             cx.instances(mesh, foliage, Shared::new(transforms));
             cx.shows(Shown::each::<Leaf>());
-            cx.parts::<Leaf>(leaves);
         }
+        cx.parts::<Leaf>(leaves);
         Ok(())
     }
 }

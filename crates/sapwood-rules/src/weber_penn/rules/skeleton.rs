@@ -19,14 +19,19 @@ impl Rule for StemLinesRule {
     const NAME: &'static str = "weber_penn.stem_lines";
 
     fn init(&self, of: &StemSurface, cx: &mut Context<'_>) -> Result<(), RuleError> {
-        let is_trunk = of.stems.stems.iter().any(|stem| stem.seed.level == 0);
-        let form = is_trunk.then(|| cx.read::<TrunkFormSlot>());
-        let factor = |z| form.as_ref().map_or(1.0, |form| form.factor(z));
-        let lines = (0..of.stems.stems.len()).map(|stem| line(&of.stems, stem, &factor)).collect();
-        cx.lines(Shared::new(lines));
-        cx.shows(Shown::each::<Stem>());
+        draw_stem_lines(of, cx);
         Ok(())
     }
+}
+
+/// Draws the centre line of each stem.
+pub(super) fn draw_stem_lines(of: &StemSurface, cx: &mut Context<'_>) {
+    let is_trunk = of.stems.stems.iter().any(|stem| stem.seed.level == 0);
+    let form = is_trunk.then(|| cx.read::<TrunkFormSlot>());
+    let factor = |z| form.as_ref().map_or(1.0, |form| form.factor(z));
+    let lines = (0..of.stems.stems.len()).map(|stem| line(&of.stems, stem, &factor)).collect();
+    cx.lines(Shared::new(lines));
+    cx.shows(Shown::each::<Stem>());
 }
 
 fn line(stems: &Stems, stem: usize, factor: &dyn Fn(f32) -> f32) -> Polyline {
