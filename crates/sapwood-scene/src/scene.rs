@@ -3,6 +3,7 @@
 //! What users call stands here, by concern; the work is done in `semantic` and `compile`.
 
 mod edits;
+mod explain;
 mod traversals;
 mod views;
 

@@ -21,5 +21,5 @@ mod resolve;
 mod settle;
 mod visit;
 
-pub(crate) use cache::Cache;
+pub(crate) use cache::{Cache, Link, Site, Target};
 pub(crate) use pull::Pull;

@@ -13,11 +13,11 @@ use smallvec::SmallVec;
 use super::cache::{Cache, Link, Target};
 use super::pushes::Pushes;
 use super::resolve::Standing;
-use crate::Viewer;
 use crate::rules::NO_SCOPE;
 use crate::semantic::Graph;
 use crate::slots::{Environments, LinkFacts, SlotKey};
 use crate::view::View;
+use crate::{NodeId, Viewer};
 
 /// One view's hold on the compiler while a traversal runs.
 pub(crate) struct Pull<'a> {
@@ -57,6 +57,21 @@ impl<'a> Pull<'a> {
         };
         pull.visit_moving();
         pull
+    }
+
+    /// The semantic graph that is compiled.
+    pub(crate) fn graph(&self) -> &Graph {
+        self.graph
+    }
+
+    /// What was compiled so far.
+    pub(crate) fn cache(&self) -> &Cache {
+        self.cache
+    }
+
+    /// The component at the view's root.
+    pub(crate) fn root_node(&self) -> NodeId {
+        self.view.root
     }
 
     /// The counts that are kept between countings.

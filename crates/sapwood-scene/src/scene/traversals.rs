@@ -77,7 +77,7 @@ impl Scene {
     }
 
     /// Compiles everything and reads the result.
-    fn complete<R>(
+    pub(super) fn complete<R>(
         &mut self,
         view: ViewId,
         read: impl FnOnce(&mut Pull<'_>) -> R,
