@@ -34,6 +34,11 @@ impl Ray {
         Self { min: f64::from(min), max: f64::from(max), ..self }
     }
 
+    /// The piece of the ray up to a distance, no longer than it was.
+    pub fn up_to(self, max: f64) -> Self {
+        Self { max: self.max.min(max), ..self }
+    }
+
     /// Whether there is such a ray: its origin and direction are finite numbers, the direction
     /// has a length, and the distances are in order.
     pub fn is_sound(&self) -> bool {

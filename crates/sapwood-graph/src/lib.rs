@@ -33,8 +33,9 @@ pub use supply::{
     Diagnostic, EnvId, Interrupted, PlanRef, Provide, SiteId, Supplied, Supply, Want,
 };
 pub use traversals::{
-    Body, CameraRow, CountMemo, Counts, DrawList, DrawRow, LabelRow, LightRow, LineRow, Occurrence,
-    TooManyRows, count, diagnostics, draw_list, dump, fragment_bound,
+    AlongRay, Body, CameraRow, CountMemo, Counts, DrawList, DrawRow, Hit, LabelRow, LightRow,
+    LineRow, Occurrence, PickOptions, PickedPart, PickedSides, Struck, TooManyRows, count,
+    diagnostics, draw_list, dump, fragment_bound, pick, pick_compiled,
 };
 pub use walk::{
     Approach, At, Everything, Inside, Interest, Order, Path, Under, discover, traverse, walk,

@@ -5,6 +5,7 @@ mod count;
 mod diagnostics;
 mod draw_list;
 mod dump;
+mod pick;
 
 pub use bounds::fragment_bound;
 pub use count::{CountMemo, Counts, count};
@@ -14,3 +15,4 @@ pub use draw_list::{
     draw_list,
 };
 pub use dump::dump;
+pub use pick::{AlongRay, Hit, PickOptions, PickedPart, PickedSides, Struck, pick, pick_compiled};

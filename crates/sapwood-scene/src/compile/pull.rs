@@ -132,6 +132,14 @@ impl<'a> Pull<'a> {
         LinkFacts { number, is_emitted, pushes, forces: pushes && plan.forces }
     }
 
+    /// The authored component that a link leads to, if it leads to one.
+    pub(crate) fn authored_behind(&self, site: SiteId, link: u32) -> Option<NodeId> {
+        match self.cache.plan_of(site).links[link as usize].target {
+            Target::Authored(node) => Some(node),
+            Target::View(_) | Target::Emitted(_) => None,
+        }
+    }
+
     /// What the rule foresaw of the children of a link.
     fn foreseen(&self, site: SiteId, link: u32) -> Option<&Bound> {
         self.cache.plan_of(site).fragment.run_of(link)?.foreseen

@@ -1,14 +1,15 @@
 //! Traversals of views. Each compiles what it needs first.
 
-use sapwood_geom::Bound;
+use sapwood_geom::{Bound, Ray};
 use sapwood_graph::{
-    At, Counts, Diagnostic, DrawList, Everything, Interest, Interrupted, Order, Provide, Supply,
-    count, diagnostics, discover, draw_list, dump, walk,
+    AlongRay, Approach, At, Counts, Diagnostic, DrawList, Everything, Hit, Interest, Interrupted,
+    Order, PickOptions, Provide, Supplied, Supply, count, diagnostics, discover, draw_list, dump,
+    pick_compiled, walk,
 };
 
 use super::Scene;
 use crate::compile::{Cache, Pull};
-use crate::{ViewError, ViewId};
+use crate::{NodeId, ViewError, ViewId};
 
 /// How often a traversal begins again after room was made for it.
 const MOST_ATTEMPTS: usize = 64;
@@ -128,6 +129,56 @@ impl Scene {
         self.complete(view, |pull| dump(&*pull, max_lines))
     }
 
+    /// What a ray, in the root's frame, meets first. Compiles only what the ray may meet.
+    ///
+    /// # Errors
+    /// When the view is closed, or compiling was interrupted.
+    pub fn pick(
+        &mut self,
+        view: ViewId,
+        ray: &Ray,
+        options: &PickOptions,
+    ) -> Result<Option<Hit>, ViewError> {
+        let pull = self.pull(view)?;
+        let compiled = pick_compiled(&pull, ray, options);
+        if !ray.is_sound() || pull.is_settled(pull.root().1) {
+            return Ok(compiled);
+        }
+        self.discover(view, &AlongRay::new(ray, options, compiled.as_ref()))?;
+        let hit = pick_compiled(&self.pull(view)?, ray, options);
+        self.evict_if_bloated(view);
+        Ok(hit)
+    }
+
+    /// The component that the user placed at the end of a path of links, or else the nearest one
+    /// above: the one whose edits change what stands there. Nothing where the path leaves what
+    /// is there now. Compiles the path, and nothing beside it.
+    ///
+    /// # Errors
+    /// When the view is closed, or compiling was interrupted.
+    pub fn component_at(
+        &mut self,
+        view: ViewId,
+        path: &[u32],
+    ) -> Result<Option<NodeId>, ViewError> {
+        self.discover(view, &Path(path))?;
+        let pull = self.pull(view)?;
+        let (mut env, mut site) = pull.root();
+        let mut component = None;
+        for link in path {
+            if *link >= pull.plan(site).fragment.n_links() {
+                return Ok(None);
+            }
+            component = pull.authored_behind(site, *link).or(component);
+            match pull.enter(env, site, *link) {
+                (below, Supplied::Ready(child)) => (env, site) = (below, child),
+                // What cannot be compiled has a component all the same.
+                _ => break,
+            }
+        }
+        Ok(component)
+    }
+
     /// What could not be compiled, each with the links that lead there; at most `limit`.
     ///
     /// # Errors
@@ -138,5 +189,21 @@ impl Scene {
         limit: usize,
     ) -> Result<Vec<(Vec<u32>, Diagnostic)>, ViewError> {
         self.complete(view, |pull| diagnostics(&*pull, limit))
+    }
+}
+
+/// The interest in the places along a path, and in nothing below its end.
+struct Path<'a>(&'a [u32]);
+
+impl Interest for Path<'_> {
+    /// How many links are behind us.
+    type State = usize;
+
+    fn start(&self) -> usize {
+        0
+    }
+
+    fn enter(&self, done: &usize, child: &Approach<'_>) -> Option<usize> {
+        (self.0.get(*done) == Some(&child.link)).then_some(done + 1)
     }
 }
