@@ -6,6 +6,7 @@ mod errors;
 mod explain;
 mod kinds;
 mod moving;
+mod picking;
 mod projections;
 mod random_scripts;
 mod sharing;

@@ -14,6 +14,8 @@ pub(super) struct Passed {
     pub(super) along: f64,
     /// The point on the line.
     pub(super) point: DVec3,
+    /// From one end of the stretch to the other.
+    pub(super) stretch_along: DVec3,
 }
 
 /// The line that the ray, in the root's frame, first passes at `by` metres or less.
@@ -37,7 +39,8 @@ pub(super) fn pass_lines(
             let point = ends[0].lerp(ends[1], along);
             if is_first && point.distance(ray.at(distance)) <= by {
                 let (line, stretch) = (line as u32, stretch as u32);
-                first = Some(Passed { distance, line, stretch, along, point });
+                let stretch_along = ends[1] - ends[0];
+                first = Some(Passed { distance, line, stretch, along, point, stretch_along });
             }
         }
     }

@@ -3,7 +3,7 @@
 use sapwood_geom::glam::{Affine3, DVec3, Vec2, Vec3};
 use sapwood_geom::{Bound, Mesh, MeshHit, Ray, SharedMesh, Sides, closest_on_transformed};
 
-use super::lines::{meet_label, pass_lines};
+use super::lines::{Passed, meet_label, pass_lines};
 use super::sight::Sight;
 use super::{Hit, PickOptions, PickedPart, PickedSides, Struck};
 use crate::{EnvId, Material, PlanRef, RenderNode, Run, SiteId, Supplied, Supply};
@@ -51,7 +51,7 @@ struct Found {
 
 enum Thing {
     Triangle { hit: MeshHit, instance: Option<u32> },
-    Line { line: u32, stretch: u32, along: f64, point: DVec3 },
+    Line(Passed),
     Label,
 }
 
@@ -173,9 +173,7 @@ impl<'a> Search<'a> {
             }
             RenderNode::Lines(lines) => self.options.line_radius.and_then(|_| {
                 let passed = pass_lines(self.ray, lines, &world, f64::from(by), reach)?;
-                let (line, stretch) = (passed.line, passed.stretch);
-                let (along, point) = (passed.along, passed.point);
-                Some((passed.distance, Thing::Line { line, stretch, along, point }))
+                Some((passed.distance, Thing::Line(passed)))
             }),
             RenderNode::Label(label) => {
                 sight.inside.filter(|_| self.options.labels).and_then(|ray| {
@@ -294,10 +292,13 @@ impl Search<'_> {
         };
         let (point, normal, struck) = match &found.thing {
             Thing::Triangle { hit, instance } => self.triangle(&plan, found, hit, *instance),
-            Thing::Line { line, stretch, along, point } => {
-                let (line, stretch, along) = (*line, *stretch, *along as f32);
-                let normal = toward(self.ray.at(found.distance) - point);
-                (*point, normal, Struck::Line { line, stretch, along })
+            Thing::Line(passed) => {
+                let Passed { line, stretch, along, point, .. } = *passed;
+                // As if it were a thin tube: square to the line.
+                let axis = passed.stretch_along.normalize_or_zero();
+                let back = -self.ray.direction();
+                let normal = (back - axis * back.dot(axis)).normalize_or(back);
+                (point, normal, Struck::Line { line, stretch, along: along as f32 })
             }
             Thing::Label => {
                 let axes = found.world.as_daffine3().matrix3;
@@ -364,10 +365,10 @@ impl Search<'_> {
     /// of the kind.
     fn part(&self, found: &Found, plan: &PlanRef<'_>, n_links: u32) -> Option<PickedPart> {
         let shown = plan.fragment.shown(found.node)?;
-        let number = match found.thing {
-            Thing::Triangle { instance: Some(instance), .. } => instance,
+        let number = match &found.thing {
+            Thing::Triangle { instance: Some(instance), .. } => *instance,
             Thing::Triangle { hit, instance: None } => hit.triangle,
-            Thing::Line { line, .. } => line,
+            Thing::Line(Passed { line, .. }) => *line,
             Thing::Label => return None,
         };
         let row = shown.row(number)?;
