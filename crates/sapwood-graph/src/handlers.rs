@@ -96,7 +96,8 @@ impl<T: 'static, S: 'static> Handlers<T, S> {
         }
     }
 
-    /// Calls `handler` for each plan whose rule made data of type `D`.
+    /// Calls `handler` for each plan whose rule made data of type `D`, whatever the rule; the
+    /// plan's parts are in `at.plan().parts`. For `()` that is every rule that makes no data.
     ///
     /// # Panics
     /// When a handler for `D` is registered already.

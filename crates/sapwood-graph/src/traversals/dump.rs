@@ -1,6 +1,7 @@
 //! A stable text dump of a render graph, for golden files and for reading.
 //!
-//! One line for each plan and each node, indented by depth; numbers rounded to 1e-4. What is
+//! One line for each plan and each node, indented by depth; numbers rounded to 1e-4. A deferred
+//! node has no line but counts as a depth: a plan is indented twice below the one above it. What is
 //! shared is written out at every place, so that the text tells what is there and not how it
 //! happens to be stored.
 

@@ -135,7 +135,7 @@ impl<'a> Context<'a> {
     }
 
     /// The value of a held slot at this place. The plan is used again wherever the value is the
-    /// same.
+    /// same; read a projection where less than the whole value matters.
     pub fn read<S: Slot<Rate = Held>>(&mut self) -> Arc<S::Value> {
         let slot = SlotKey::of::<S>();
         let value = self.slots.value(slot);

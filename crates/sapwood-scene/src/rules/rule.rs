@@ -19,6 +19,9 @@ use crate::{Component, Moving, Slot};
 /// clock, no global, no file, no random number but from a stream of its own. Its identity is its
 /// name, its version and the digest of its settings: two rules that could ever differ in what
 /// they make must differ in one of them.
+///
+/// Sines, powers and the like come from `glam` as `sapwood-geom` re-exports it, or from `libm`:
+/// `f32::sin` need not give the same bits on another machine.
 pub trait Rule: Send + Sync + 'static {
     /// The kind that the rule compiles.
     type Component: Component;
@@ -39,15 +42,16 @@ pub trait Rule: Send + Sync + 'static {
     ///
     /// # Errors
     /// A failure stays with this component: it draws nothing, its diagnostic tells why, and it
-    /// is tried again when something that it read has changed.
+    /// is tried again when something that it read has changed. An interruption, as the context's
+    /// `reserve_` functions return it, ends the whole traversal and is not remembered.
     fn init(
         &self,
         component: &Self::Component,
         cx: &mut Context<'_>,
     ) -> Result<Self::Data, RuleError>;
 
-    /// Brings the live values that `init` asked for up to date; runs when a moving slot has changed, allocates
-    /// nothing and depends on nothing but `data` and moving slots.
+    /// Brings the live values that `init` asked for up to date; runs when a moving slot has
+    /// changed, allocates nothing and depends on nothing but `data` and moving slots.
     fn visit(&self, data: &Self::Data, cx: &VisitContext<'_>, live: &mut [Affine3]) {
         let _ = (data, cx, live);
     }

@@ -179,7 +179,8 @@ impl Scene {
         Ok(component)
     }
 
-    /// What could not be compiled, each with the links that lead there; at most `limit`.
+    /// What could not be compiled, components without a rule included, each with the links that
+    /// lead there; at most `limit`.
     ///
     /// # Errors
     /// When the view is closed, or compiling was interrupted.

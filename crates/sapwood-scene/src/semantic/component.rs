@@ -17,7 +17,7 @@ slotmap::new_key_type! {
 /// Plain data that a rule can compile.
 ///
 /// A component knows no rule. What tells two components of one kind apart is their
-/// [`Content`].
+/// [`Content`], which [`content!`](sapwood_geom::content) writes for a struct.
 pub trait Component: Named + Content + Send + Sync {
     /// How many children a component of this kind can hold when it is placed in a scene.
     const CHILDREN: Children = Children::None;
