@@ -46,7 +46,8 @@ fn each_style_draws_the_same_stems_in_its_own_way() {
     let mut compiled: Vec<&str> = scene
         .take_log()
         .iter()
-        .filter_map(|event| (event.action == Action::Compiled).then(|| event.kind.name()))
+        .filter(|event| event.action == Action::Compiled)
+        .map(|event| event.kind.name())
         .collect();
     compiled.sort_unstable();
     compiled.dedup();
