@@ -4,4 +4,5 @@
 
 mod architecture;
 mod core;
+mod tutorial;
 mod weber_penn;

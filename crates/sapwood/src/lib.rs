@@ -3,6 +3,8 @@
 //! A semantic graph says *what is there*; rules compile it, on demand, into render graphs that
 //! say what it looks like; traversals do all the work on the result. The crates behind this
 //! facade are its modules.
+//!
+//! `docs/writing-rules.md` in the repository builds a rule set from nothing.
 
 pub use sapwood_geom as geom;
 pub use sapwood_graph as graph;
