@@ -34,6 +34,8 @@ impl Rule for OutlineRule {
     fn init(&self, flight: &Flight, cx: &mut Context<'_>) -> Result<(), RuleError> {
         let corners = outline(flight, 6);
         let closed = || corners.iter().chain(corners.first()).map(|p| Vec3::new(p.x, 0.0, -p.y));
+        // Lines have no budget of their own; each piece is asked for as if it were a triangle.
+        cx.reserve_triangles(corners.len() as u64 * u64::from(flight.n_steps))?;
         let line = |i: u32| {
             let place = flight.place(i as f32);
             let points: Vec<Vec3> = closed().map(|corner| place.transform_point3(corner)).collect();
