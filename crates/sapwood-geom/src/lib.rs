@@ -15,6 +15,11 @@ mod mesh_bvh;
 mod polyline;
 mod ray;
 mod section;
+#[cfg(test)]
+mod shapes;
+#[cfg(feature = "simplify")]
+mod simplify;
+mod smooth;
 mod stream;
 mod sweep;
 
@@ -28,6 +33,8 @@ pub use mesh_bvh::{MeshBvh, MeshHit, Sides, closest_on_transformed};
 pub use polyline::Polyline;
 pub use ray::Ray;
 pub use section::Section;
+#[cfg(feature = "simplify")]
+pub use simplify::Simplify;
 pub use stream::{Purpose, Stream, StreamPath};
 pub use sweep::{Cap, Ring, Sweep, SweepOptions, SweepStart};
 

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 
 use glam::{Affine3, Vec2, Vec3};
 
-use crate::{Bound, Content, Digester, MeshBvh, Shared};
+use crate::{Bound, Content, Digester, FixedMap, MeshBvh, Shared, fixed_state};
 
 /// An indexed triangle mesh with a normal and a texture coordinate for every vertex.
 ///
@@ -97,12 +97,39 @@ impl Mesh {
             }
         }
         self.indices.chunks_exact(3).enumerate().find_map(|(number, t)| {
-            let [a, b, c] = [t[0], t[1], t[2]].map(|i| self.positions[i as usize]);
-            let longest = (b - a).length().max((c - b).length()).max((a - c).length());
-            let doubled_area = (b - a).cross(c - a).length();
-            (doubled_area <= 1e-6 * longest * longest)
-                .then(|| format!("triangle {number} is degenerate: {a} {b} {c}"))
+            self.is_degenerate([t[0], t[1], t[2]]).then(|| {
+                let [a, b, c] = [t[0], t[1], t[2]].map(|i| self.positions[i as usize]);
+                format!("triangle {number} is degenerate: {a} {b} {c}")
+            })
         })
+    }
+
+    /// Whether a triangle between these vertices is too thin to have a normal.
+    pub(crate) fn is_degenerate(&self, corners: [u32; 3]) -> bool {
+        let [a, b, c] = corners.map(|i| self.positions[i as usize]);
+        let longest = (b - a).length().max((c - b).length()).max((a - c).length());
+        let doubled_area = (b - a).cross(c - a).length();
+        doubled_area <= 1e-6 * longest * longest
+    }
+
+    /// How many edges bound one triangle only. Corners with equal positions count as one, so
+    /// that seams of texture coordinates and of normals are no borders. Not a fault in itself:
+    /// leaves are open. The mesh must be sound.
+    pub fn n_open_edges(&self) -> usize {
+        let mut points: FixedMap<[u32; 3], u32> = FixedMap::with_hasher(fixed_state());
+        let mut point = |index: u32| {
+            let bits = (self.positions[index as usize] + 0.0).to_array().map(f32::to_bits);
+            let next = points.len() as u32;
+            *points.entry(bits).or_insert(next)
+        };
+        let mut edges: FixedMap<(u32, u32), u32> = FixedMap::with_hasher(fixed_state());
+        for t in self.indices.chunks_exact(3) {
+            let [a, b, c] = [t[0], t[1], t[2]].map(&mut point);
+            for (one, other) in [(a, b), (b, c), (c, a)] {
+                *edges.entry((one.min(other), one.max(other))).or_default() += 1;
+            }
+        }
+        edges.values().filter(|n| **n == 1).count()
     }
 }
 
