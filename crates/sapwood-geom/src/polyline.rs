@@ -24,6 +24,20 @@ impl Polyline {
         let points = self.points.iter().map(|point| transform.transform_point3(*point));
         Self { points: points.collect(), radii: self.radii.clone() }
     }
+
+    /// What is wrong with the line, in words, or nothing: a radius for each point, all finite,
+    /// no radius below zero.
+    pub fn fault(&self) -> Option<String> {
+        let (n, n_radii) = (self.points.len(), self.radii.len());
+        if n != n_radii {
+            return Some(format!("{n} points with {n_radii} radii"));
+        }
+        let mut points = self.points.iter().zip(&self.radii).enumerate();
+        points.find_map(|(i, (point, radius))| {
+            let is_sound = point.is_finite() && radius.is_finite() && *radius >= 0.0;
+            (!is_sound).then(|| format!("point {i}: {point} with radius {radius}"))
+        })
+    }
 }
 
 impl Content for Polyline {

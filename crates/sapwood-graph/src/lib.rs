@@ -33,9 +33,10 @@ pub use supply::{
     Diagnostic, EnvId, Interrupted, PlanRef, Provide, SiteId, Supplied, Supply, Want,
 };
 pub use traversals::{
-    AlongRay, Body, CameraRow, CountMemo, Counts, DrawList, DrawRow, Hit, LabelRow, LightRow,
-    LineRow, Occurrence, PickOptions, PickedPart, PickedSides, Struck, TooManyRows, count,
-    diagnostics, draw_list, dump, fragment_bound, pick, pick_compiled,
+    AlongRay, Body, CameraRow, CountMemo, Counts, DrawList, DrawRow, Finding, Hit, LabelRow,
+    LightRow, LineRow, Merge, Occurrence, PickOptions, PickedPart, PickedSides, Report, Severity,
+    Struck, TooManyRows, TooManyTriangles, count, diagnostics, draw_list, dump, fragment_bound,
+    pick, pick_compiled, verify,
 };
 pub use walk::{
     Approach, At, Everything, Inside, Interest, Order, Path, Under, discover, traverse, walk,

@@ -65,6 +65,33 @@ impl Material {
     }
 }
 
+impl Material {
+    /// What is wrong with the material, in words, or nothing: values in their ranges, images
+    /// whole.
+    pub fn fault(&self) -> Option<String> {
+        let is_share = |value: &f32| (0.0..=1.0).contains(value);
+        if !self.base_color.iter().all(is_share) {
+            return Some(format!("colour {:?}; each number in 0..=1", self.base_color));
+        }
+        let Self { metallic, roughness, emissive, .. } = self;
+        if !(is_share(metallic) && is_share(roughness)) {
+            return Some(format!("metallic {metallic} and roughness {roughness}; both in 0..=1"));
+        }
+        if !emissive.iter().all(|value| value.is_finite() && *value >= 0.0) {
+            return Some(format!("gives off {emissive:?}; finite and not negative"));
+        }
+        match self.alpha {
+            Alpha::Mask(least) if !is_share(&least) => {
+                return Some(format!("is there from a coverage of {least} on; in 0..=1"));
+            }
+            Alpha::Opaque | Alpha::Mask(_) | Alpha::Blend => {}
+        }
+        let MaterialImages { base_color, metallic_roughness, normal, emissive } = &self.images;
+        let images = [base_color, metallic_roughness, normal, emissive];
+        images.into_iter().flatten().find_map(|image| image.fault())
+    }
+}
+
 content!(Material { name, base_color, metallic, roughness, emissive, alpha, double_sided, images });
 
 content!(MaterialImages { base_color, metallic_roughness, normal, emissive });

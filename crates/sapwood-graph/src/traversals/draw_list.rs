@@ -9,7 +9,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use sapwood_geom::glam::Affine3;
-use sapwood_geom::{FixedMap, Polyline, Shared, SharedMesh, fixed_state};
+use sapwood_geom::{Digest, FixedMap, Mesh, Polyline, Shared, SharedMesh, fixed_state};
 
 use crate::{
     Camera, EnvId, Facing, Kind, Label, Light, Material, RenderNode, SiteId, Supplied, Supply,
@@ -153,6 +153,23 @@ impl DrawList {
             let world = occurrence.world;
             rows(self.body(occurrence)).map(move |(local, row)| (world * local, row))
         })
+    }
+
+    /// The list with other meshes: `change` is asked once for each distinct mesh. What becomes
+    /// empty is no longer drawn; all else stays as it is.
+    pub fn with_meshes(&self, mut change: impl FnMut(&Mesh) -> Mesh) -> Self {
+        let mut changed: FixedMap<Digest, SharedMesh> = FixedMap::with_hasher(fixed_state());
+        let mut bodies = self.bodies.clone();
+        for row in bodies.iter_mut().flat_map(|body| &mut body.rows) {
+            let mesh = changed
+                .entry(Digest::of(&row.mesh))
+                .or_insert_with(|| SharedMesh::new(change(&row.mesh)));
+            row.mesh = mesh.clone();
+        }
+        for body in &mut bodies {
+            body.rows.retain(|row| !row.mesh.is_empty());
+        }
+        Self { bodies, occurrences: self.occurrences.clone() }
     }
 
     /// Number of vertices and of triangles that are drawn, every instance counted.

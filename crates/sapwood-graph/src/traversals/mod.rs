@@ -5,7 +5,12 @@ mod count;
 mod diagnostics;
 mod draw_list;
 mod dump;
+mod merge;
 mod pick;
+#[cfg(feature = "simplify")]
+mod simplify;
+mod smooth;
+mod verify;
 
 pub use bounds::fragment_bound;
 pub use count::{CountMemo, Counts, count};
@@ -15,4 +20,6 @@ pub use draw_list::{
     draw_list,
 };
 pub use dump::dump;
+pub use merge::{Merge, TooManyTriangles};
 pub use pick::{AlongRay, Hit, PickOptions, PickedPart, PickedSides, Struck, pick, pick_compiled};
+pub use verify::{Finding, Report, Severity, verify};

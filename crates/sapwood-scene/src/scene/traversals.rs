@@ -2,9 +2,9 @@
 
 use sapwood_geom::{Bound, Ray};
 use sapwood_graph::{
-    AlongRay, Approach, At, Counts, Diagnostic, DrawList, Everything, Hit, Interest, Interrupted,
-    Order, PickOptions, Provide, Supplied, Supply, count, diagnostics, discover, draw_list, dump,
-    pick_compiled, walk,
+    AlongRay, Approach, At, Counts, Diagnostic, DrawList, Everything, Finding, Hit, Interest,
+    Interrupted, Order, PickOptions, Provide, Report, Severity, Supplied, Supply, count,
+    diagnostics, discover, draw_list, dump, pick_compiled, verify, walk,
 };
 
 use super::Scene;
@@ -177,6 +177,23 @@ impl Scene {
             }
         }
         Ok(component)
+    }
+
+    /// Looks for faults in everything that a view compiled to and in the scene's own structure,
+    /// and tells `limit` of them at most. Changes nothing; costs every distinct triangle.
+    ///
+    /// # Errors
+    /// When the view is closed, or compiling was interrupted.
+    pub fn verify(&mut self, view: ViewId, limit: usize) -> Result<Report, ViewError> {
+        let fault = self.fault();
+        self.complete(view, |pull| {
+            let mut report = verify(&*pull, limit);
+            if let Some(message) = fault {
+                let (severity, kind) = (Severity::Error, pull.plan(pull.root().1).kind);
+                report.add(Finding { severity, path: Vec::new(), kind, message });
+            }
+            report
+        })
     }
 
     /// What could not be compiled, components without a rule included, each with the links that
