@@ -3,6 +3,7 @@
 mod deep;
 mod edits;
 mod errors;
+mod events;
 mod explain;
 mod kinds;
 mod moving;

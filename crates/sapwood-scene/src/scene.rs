@@ -4,6 +4,7 @@
 
 mod edits;
 mod explain;
+mod occurrences;
 mod traversals;
 mod views;
 

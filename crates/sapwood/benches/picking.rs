@@ -1,10 +1,12 @@
 //! A thousand picks: in a grown tree, and among a hundred thousand trivial leaves.
 
 mod clock;
+mod cpu_time;
 
 use std::time::Duration;
 
-use clock::{CpuTime, Moment};
+use clock::Moment;
+use cpu_time::CpuTime;
 use criterion::{Criterion, SamplingMode};
 use sapwood::geom::glam::Vec3;
 use sapwood::geom::{Mesh, Purpose, Ray, Stream, StreamPath};

@@ -1,5 +1,7 @@
 //! Attributes in general: slot pushes for everything below.
 
+use std::sync::Arc;
+
 use sapwood_geom::{Content, Digester};
 use sapwood_graph::Named;
 
@@ -72,6 +74,14 @@ impl Attribute {
         match self.place::<S>() {
             Ok(place) => self.pushes[place] = push,
             Err(place) => self.pushes.insert(place, push),
+        }
+    }
+
+    /// The value that the attribute holds for a slot; nothing where it sets none, or asks.
+    pub fn get<S: Slot<Rate = Held>>(&self) -> Option<Arc<S::Value>> {
+        match &self.pushes[self.place::<S>().ok()?].source {
+            Source::Held(value) => Some(value.typed::<S>()),
+            Source::Asked => None,
         }
     }
 

@@ -2,14 +2,14 @@
 
 use sapwood_geom::{Bound, Ray};
 use sapwood_graph::{
-    AlongRay, Approach, At, Counts, Diagnostic, DrawList, Everything, Finding, Hit, Interest,
-    Interrupted, Order, PickOptions, Provide, Report, Severity, Supplied, Supply, count,
-    diagnostics, discover, draw_list, dump, pick_compiled, verify, walk,
+    AlongRay, At, Counts, Diagnostic, DrawList, Everything, Finding, Hit, Interest, Interrupted,
+    Order, PickOptions, Provide, Report, Severity, Supply, count, diagnostics, discover, draw_list,
+    dump, pick_compiled, verify, walk,
 };
 
 use super::Scene;
 use crate::compile::{Cache, Pull};
-use crate::{NodeId, ViewError, ViewId};
+use crate::{ViewError, ViewId};
 
 /// How often a traversal begins again after room was made for it.
 const MOST_ATTEMPTS: usize = 64;
@@ -25,7 +25,7 @@ impl Scene {
         self.pull(view)
     }
 
-    fn pull(&mut self, view: ViewId) -> Result<Pull<'_>, ViewError> {
+    pub(super) fn pull(&mut self, view: ViewId) -> Result<Pull<'_>, ViewError> {
         let row = self.views.get_mut(view.number).filter(|row| row.generation == view.generation);
         let row = row.ok_or(ViewError::Closed)?;
         self.graph.pull();
@@ -59,7 +59,11 @@ impl Scene {
 
     /// Compiles what `interest` asks for. Where a budget runs out, what no view shows any more
     /// makes room, as long as there is any.
-    fn discover<I: Interest>(&mut self, view: ViewId, interest: &I) -> Result<(), ViewError> {
+    pub(super) fn discover<I: Interest>(
+        &mut self,
+        view: ViewId,
+        interest: &I,
+    ) -> Result<(), ViewError> {
         for _ in 0..MOST_ATTEMPTS {
             match discover(&mut self.pull(view)?, interest) {
                 Err(Interrupted::Exhausted { .. }) if self.make_room() => {}
@@ -150,35 +154,6 @@ impl Scene {
         Ok(hit)
     }
 
-    /// The component that the user placed at the end of a path of links, or else the nearest one
-    /// above: the one whose edits change what stands there. Nothing where the path leaves what
-    /// is there now. Compiles the path, and nothing beside it.
-    ///
-    /// # Errors
-    /// When the view is closed, or compiling was interrupted.
-    pub fn component_at(
-        &mut self,
-        view: ViewId,
-        path: &[u32],
-    ) -> Result<Option<NodeId>, ViewError> {
-        self.discover(view, &Path(path))?;
-        let pull = self.pull(view)?;
-        let (mut env, mut site) = pull.root();
-        let mut component = None;
-        for link in path {
-            if *link >= pull.plan(site).fragment.n_links() {
-                return Ok(None);
-            }
-            component = pull.authored_behind(site, *link).or(component);
-            match pull.enter(env, site, *link) {
-                (below, Supplied::Ready(child)) => (env, site) = (below, child),
-                // What cannot be compiled has a component all the same.
-                _ => break,
-            }
-        }
-        Ok(component)
-    }
-
     /// Looks for faults in everything that a view compiled to and in the scene's own structure,
     /// and tells `limit` of them at most. Changes nothing; costs every distinct triangle.
     ///
@@ -207,21 +182,5 @@ impl Scene {
         limit: usize,
     ) -> Result<Vec<(Vec<u32>, Diagnostic)>, ViewError> {
         self.complete(view, |pull| diagnostics(&*pull, limit))
-    }
-}
-
-/// The interest in the places along a path, and in nothing below its end.
-struct Path<'a>(&'a [u32]);
-
-impl Interest for Path<'_> {
-    /// How many links are behind us.
-    type State = usize;
-
-    fn start(&self) -> usize {
-        0
-    }
-
-    fn enter(&self, done: &usize, child: &Approach<'_>) -> Option<usize> {
-        (self.0.get(*done) == Some(&child.link)).then_some(done + 1)
     }
 }
