@@ -2,10 +2,12 @@
 //! groups of ten.
 
 mod clock;
+mod cpu_time;
 
 use std::time::Duration;
 
-use clock::{CpuTime, Moment};
+use clock::Moment;
+use cpu_time::CpuTime;
 use criterion::{Criterion, SamplingMode};
 use sapwood::geom::Mesh;
 use sapwood::geom::glam::Vec3;

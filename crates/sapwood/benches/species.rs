@@ -1,10 +1,12 @@
 //! Built-in species: from a new scene to bounds, and after an edit of the leaves.
 
 mod clock;
+mod cpu_time;
 
 use std::time::Duration;
 
-use clock::{CpuTime, Moment};
+use clock::Moment;
+use cpu_time::CpuTime;
 use criterion::{Criterion, SamplingMode};
 use sapwood::rules::weber_penn::{LeafParams, LeavesSlot, Seed, Species, Tree};
 use sapwood::scene::{Attribute, Handle, RuleSet, Scene, ViewId};
