@@ -166,12 +166,15 @@ impl Graph {
         }
     }
 
-    /// Notes that everything driven by a node, by whatever detour, must be computed again.
-    /// Returns what was not noted before.
+    /// Notes that a node that was edited, and everything driven by it, by whatever detour, must
+    /// be computed again. Returns what of the latter was not noted before.
     pub(super) fn outdate_driven(&mut self, node: NodeId) -> SmallVec<[NodeId; 4]> {
         let mut outdated: SmallVec<[NodeId; 4]> = SmallVec::new();
         if self.fields.drives.is_empty() {
             return outdated;
+        }
+        if let Some(driven) = self.fields.driven.get_mut(&node) {
+            driven.effective.take();
         }
         let mut stack: SmallVec<[NodeId; 8]> = self.fields.driven_by(node).into();
         while let Some(target) = stack.pop() {
