@@ -12,10 +12,15 @@
 
 mod compare;
 mod dice;
+mod frame;
+mod here;
 mod kinds;
 mod mirror;
 mod reference;
 mod script;
+mod values;
+mod what;
+mod wires;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Once;

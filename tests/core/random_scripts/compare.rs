@@ -1,15 +1,30 @@
 //! Traversals of a script, each compared with the reference, and with a scene built anew.
 
-use sapwood::geom::Aabb;
-use sapwood::geom::glam::Vec3;
-use sapwood::graph::{Inside, Interest, Order, RenderNode, Under};
+use std::collections::BTreeMap;
 
-use super::mirror::{View, size_of};
-use super::reference::{Expected, Row, expected, row};
+use sapwood::geom::glam::{Affine3, Vec3};
+use sapwood::geom::{Aabb, Polyline, SharedMesh};
+use sapwood::graph::{DrawList, Inside, Interest, Order, RenderNode, Under};
+
+use super::mirror::View;
+use super::reference::{Expected, Item, Sort, expected};
 use super::script::Script;
 
 /// More than any view shows.
 const MANY: usize = 1_000_000;
+
+/// How far from where it must be something may be that turns by any angle, relative to how far
+/// out it is: the engine reckons in 32 bits.
+const TOLERANCE: f64 = 1e-3;
+
+/// Something that the engine draws.
+#[derive(Debug)]
+struct Found {
+    sort: Sort,
+    world: Affine3,
+    size: f32,
+    look: String,
+}
 
 impl Script {
     /// A random traversal of a random view.
@@ -44,9 +59,11 @@ impl Script {
 
     fn check_rows(&mut self, view: &View) {
         let list = self.scene.draw_list(view.id, MANY).unwrap();
-        let rows: Vec<Row> =
-            list.placed_rows().map(|(world, drawn)| row(&world, size_of(&drawn.mesh))).collect();
-        assert_same(&rows, &expected(&self.mirror, view, &[]).rows, "draw rows");
+        let found = drawn(&list);
+        let mut expected = expected(&self.mirror, view, &[]).items;
+        expected.sort_by_key(|item| item.sort);
+        assert_eq!(found.len(), expected.len(), "rows are drawn");
+        found.iter().zip(&expected).for_each(|(found, expected)| assert_fits(found, expected));
     }
 
     fn check_counts(&mut self, view: &View) {
@@ -63,15 +80,26 @@ impl Script {
         assert_same(&kinds, &expected(&self.mirror, view, &[]).errors, "diagnostics");
     }
 
+    /// What is turned must lie inside the bounds, everything else must reach to them.
     fn check_bounds(&mut self, view: &View) {
-        let bounds = self.scene.bounds(view.id).unwrap();
-        let boxes = expected(&self.mirror, view, &[]).boxes;
-        let all = boxes.into_iter().fold(Aabb::EMPTY, Aabb::union);
-        assert_eq!(bounds.aabb.is_empty(), all.is_empty());
-        if !all.is_empty() {
-            let difference =
-                (bounds.aabb.min - all.min).abs().max((bounds.aabb.max - all.max).abs());
-            assert!(difference.max_element() < 0.01, "{:?} is not {all:?}", bounds.aabb);
+        let found = self.scene.bounds(view.id).unwrap().aabb;
+        let items = expected(&self.mirror, view, &[]).items;
+        let boxes =
+            |items: &[&Item]| items.iter().fold(Aabb::EMPTY, |all, item| all.union(item.around));
+        let all: Vec<&Item> = items.iter().collect();
+        assert_eq!(found.is_empty(), boxes(&all).is_empty());
+        let sure: Vec<&Item> = items.iter().filter(|item| !item.is_vague).collect();
+        let needed = boxes(&sure);
+        if needed.is_empty() {
+            return;
+        }
+        let slack = 0.01 + 2.0 * TOLERANCE as f32 * needed.min.abs().max(needed.max.abs());
+        let is_inside =
+            needed.min.cmpge(found.min - slack).all() && needed.max.cmple(found.max + slack).all();
+        assert!(is_inside, "{needed:?} is not inside the bounds {found:?}");
+        if items.iter().all(|item| !item.is_turned) {
+            let apart = (found.min - needed.min).abs().max((found.max - needed.max).abs());
+            assert!(apart.max_element() < 0.01, "bounds {found:?} instead of {needed:?}");
         }
     }
 
@@ -88,15 +116,15 @@ impl Script {
         assert_same(&dump, &cold, "dumps");
     }
 
-    /// Meshes met on a walk, each with its box.
-    fn meshes<I: Interest>(&mut self, view: &View, interest: &I) -> Vec<(Row, Aabb)> {
-        let orders = [Order::Pre, Order::In, Order::Post, Order::Level];
-        let order = self.dice.pick(&orders);
-        let mut met = Vec::new();
+    /// What is met on a walk, by the links that lead there.
+    fn met<I: Interest>(&mut self, view: &View, interest: &I) -> BTreeMap<Vec<u32>, Found> {
+        let order = self.dice.pick(&[Order::Pre, Order::In, Order::Post, Order::Level]);
+        let mut met = BTreeMap::new();
         let visitor = &mut |at: &sapwood::graph::At<'_, I::State>| {
-            if let RenderNode::Mesh { mesh, .. } = at.node() {
-                let corners = mesh.positions.iter().map(|p| at.world().transform_point3(*p));
-                met.push((row(at.world(), size_of(mesh)), Aabb::of_points(corners)));
+            if let Some(found) = found(*at.world(), at.node()) {
+                let path = at.path().links();
+                let before = met.insert(path, found);
+                assert!(before.is_none(), "{before:?} was met at the same place");
             }
         };
         self.scene.traverse(view.id, order, interest, visitor).unwrap();
@@ -105,34 +133,31 @@ impl Script {
 
     /// Everything that lies inside a box must be met; what lies outside may be.
     fn cull(&mut self, view: &View) {
-        let Expected { rows, boxes, .. } = expected(&self.mirror, view, &[]);
-        let middle = match boxes.len() {
+        let Expected { items, .. } = expected(&self.mirror, view, &[]);
+        let seen: Vec<&Item> = items.iter().filter(|item| !item.around.is_empty()).collect();
+        let middle = match seen.len() {
             0 => Vec3::ZERO,
-            n => boxes[self.dice.below(n)].min,
+            n => seen[self.dice.below(n)].around.min,
         };
         // No face of the box touches a corner of a mesh.
         let half = Vec3::splat(0.13 + self.dice.log_even(1.0, 200.0) as f32);
         let inside = Aabb { min: middle - half, max: middle + half };
-        let met = self.meshes(view, &Inside(inside));
-        let mut needed: Vec<Row> = rows
-            .iter()
-            .zip(&boxes)
-            .filter(|(_, each)| each.intersects(&inside))
-            .map(|(row, _)| *row)
-            .collect();
-        let within = met.iter().filter(|(_, each)| each.intersects(&inside));
-        let mut within: Vec<Row> = within.map(|(row, _)| *row).collect();
-        sort(&mut needed);
-        sort(&mut within);
-        assert_same(&within, &needed, "rows inside a box");
-        let mut all = rows;
-        sort(&mut all);
-        let mut met: Vec<Row> = met.into_iter().map(|(row, _)| row).collect();
-        sort(&mut met);
-        let mut rest = all.iter();
-        for row in &met {
-            assert!(rest.any(|other| other == row), "{row:?} is not in the scene");
+        let met = self.met(view, &Inside(inside));
+        for item in &items {
+            // Whatever is turned must lie well inside.
+            let slack = if item.is_turned { 0.1 + middle.length() * 1e-2 } else { 0.0 };
+            let within = Aabb { min: inside.min + slack, max: inside.max - slack };
+            let is_inside = !within.is_empty() && item.around.intersects(&within);
+            let is_needed = is_inside && !item.is_vague && !item.around.is_empty();
+            match met.get(&item.path) {
+                Some(found) => assert_fits(found, item),
+                None => assert!(!is_needed, "{item:?} is inside {inside:?} and not met"),
+            }
         }
+        let known = |path: &Vec<u32>| items.iter().any(|item| item.path == *path);
+        let n_known = items.iter().filter(|item| met.contains_key(&item.path)).count();
+        let stranger = || met.iter().find(|(path, _)| !known(path));
+        assert_eq!(n_known, met.len(), "{:?} is not in the scene", stranger());
     }
 
     /// Exactly what lies on the way to a place and below it must be met.
@@ -140,17 +165,65 @@ impl Script {
         let mut paths = expected(&self.mirror, view, &[]).paths;
         let place = self.dice.below(paths.len());
         let path = paths.swap_remove(place);
-        let mut needed = expected(&self.mirror, view, &path).rows;
-        let met = self.meshes(view, &Under(path));
-        let mut met: Vec<Row> = met.into_iter().map(|(row, _)| row).collect();
-        sort(&mut needed);
-        sort(&mut met);
-        assert_same(&met, &needed, "rows under a path");
+        let needed = expected(&self.mirror, view, &path).items;
+        let met = self.met(view, &Under(path));
+        for item in &needed {
+            let found = met.get(&item.path);
+            assert_fits(found.unwrap_or_else(|| panic!("{item:?} is not met")), item);
+        }
+        assert_eq!(met.len(), needed.len(), "what is met under a path");
     }
 }
 
-fn sort(rows: &mut [Row]) {
-    rows.sort_by(|a, b| a.partial_cmp(b).expect("rows are finite"));
+/// What is drawn, by sort, in order.
+fn drawn(list: &DrawList) -> Vec<Found> {
+    let meshes = list.placed_rows().map(|(world, row)| mesh(world, &row.mesh, &row.material.name));
+    let lines = list.placed_lines().map(|(world, row)| lines(world, &row.lines));
+    let lights =
+        list.placed_lights().map(|(world, light)| plain(Sort::Light, world, light.intensity));
+    let cameras =
+        list.placed_cameras().map(|(world, camera)| plain(Sort::Camera, world, camera.near));
+    let labels = list.placed_labels().map(|(world, label)| plain(Sort::Label, world, label.height));
+    meshes.chain(lines).chain(lights).chain(cameras).chain(labels).collect()
+}
+
+fn found(world: Affine3, node: RenderNode<'_>) -> Option<Found> {
+    match node {
+        RenderNode::Mesh { mesh: drawn, material } => Some(mesh(world, drawn, &material.name)),
+        RenderNode::Lines(drawn) => Some(lines(world, drawn)),
+        RenderNode::Light(light) => Some(plain(Sort::Light, world, light.intensity)),
+        RenderNode::Camera(camera) => Some(plain(Sort::Camera, world, camera.near)),
+        RenderNode::Label(label) => Some(plain(Sort::Label, world, label.height)),
+        RenderNode::Group
+        | RenderNode::Transform(_)
+        | RenderNode::Live(_)
+        | RenderNode::Facing(_)
+        | RenderNode::Instances { .. }
+        | RenderNode::Deferred(_) => None,
+    }
+}
+
+fn plain(sort: Sort, world: Affine3, size: f32) -> Found {
+    Found { sort, world, size, look: String::new() }
+}
+
+/// The edge length tells the tests' triangles apart.
+fn mesh(world: Affine3, mesh: &SharedMesh, look: &str) -> Found {
+    Found { look: look.to_owned(), ..plain(Sort::Mesh, world, mesh.positions[1].x) }
+}
+
+fn lines(world: Affine3, lines: &[Polyline]) -> Found {
+    let points = lines.iter().flat_map(|line| &line.points);
+    plain(Sort::Lines, world, points.fold(0.0, |size, point| size.max(point.x)))
+}
+
+fn assert_fits(found: &Found, item: &Item) {
+    let tolerance = if item.is_turned { TOLERANCE } else { 0.0 };
+    let is_same = found.sort == item.sort
+        && found.look == item.look
+        && (item.is_vague
+            || found.size == item.size && item.world.distance(&found.world) <= tolerance);
+    assert!(is_same, "{found:?} instead of {item:?}");
 }
 
 /// Compares, and shows no more than the first difference.

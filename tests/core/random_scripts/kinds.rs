@@ -1,11 +1,11 @@
 //! Kinds and rules of the random scripts: every way of reading slots, and every way of failing.
 
 use sapwood::geom::glam::{Affine3, Vec3};
-use sapwood::geom::{Digester, Purpose, SharedMesh, Stream, content};
+use sapwood::geom::{Aabb, Digester, Purpose, SharedMesh, Stream, content};
 use sapwood::graph::{Material, Named};
 use sapwood::scene::{
-    ChildPath, Children, Component, Context, Held, Moving, Placement, Projection, Rule, RuleError,
-    RuleSet, Slot, SlotReader, VisitContext, built_in_rules,
+    Cell, ChildPath, Children, Component, Context, Held, KitRule, Placement, Rule, RuleError,
+    RuleSet, Side, SideOfBox, Slot, Time, VisitContext, built_in_rules,
 };
 
 use crate::core::kinds::{Placed, PlacedRule, Plain, Size, Sized, SizedRule, triangle};
@@ -25,32 +25,24 @@ impl Slot for Tag {
     }
 }
 
-/// What moves spinners.
-pub(super) enum Time {}
-impl Slot for Time {
-    type Value = f32;
-    type Rate = Moving;
-    const NAME: &'static str = "time";
-    fn default() -> f32 {
-        0.0
-    }
+/// What a kit is set with.
+#[derive(Debug, Clone)]
+pub(super) struct Knob {
+    pub(super) number: u32,
+}
+content!(Knob { number });
+impl Named for Knob {
+    const NAME: &'static str = "knob";
 }
 
-/// The square of a grid that a component stands in.
-pub(super) struct Cell;
-content!(Cell {});
-impl Projection for Cell {
-    type Output = (i32, i32);
-    const NAME: &'static str = "cell";
-    fn compute(&self, slots: &mut SlotReader<'_>) -> (i32, i32) {
-        cell_of(&slots.read::<Placement>())
-    }
-}
+/// The edge of the cells that gridded components stand in.
+const CELL: f32 = 16.0;
 
-pub(super) fn cell_of(place: &Affine3) -> (i32, i32) {
-    let at = place.translation / 16.0;
-    (at.x.floor() as i32, at.y.floor() as i32)
-}
+/// How a small box about the component stands towards a large one about the root's origin.
+const SIDE: SideOfBox = SideOfBox {
+    own: Aabb { min: Vec3::splat(-1.0), max: Vec3::splat(1.0) },
+    region: Aabb { min: Vec3::splat(-6.5), max: Vec3::splat(6.5) },
+};
 
 macro_rules! kinds {
     ($($kind:ident { $($field:ident: $type:ty),* } $name:literal $children:ident;)*) => {$(
@@ -66,6 +58,7 @@ kinds! {
     Tagged {} "tagged" None;
     Keyed {} "keyed" None;
     Gridded {} "gridded" None;
+    Sided {} "sided" None;
     Chooser {} "chooser" None;
     Nest { depth: u32 } "nest" None;
     Fragile { value: u32 } "fragile" None;
@@ -90,7 +83,11 @@ macro_rules! rules {
 rules! {
     TaggedRule Tagged |_tagged, cx| { let tag = *cx.read::<Tag>(); draw(cx, tagged_size(tag)) };
     KeyedRule Keyed |_keyed, cx| { let path = *cx.read::<ChildPath>(); draw(cx, keyed_size(path)) };
-    GriddedRule Gridded |_gridded, cx| { let cell = cx.project(Cell); draw(cx, gridded_size(cell)) };
+    GriddedRule Gridded |_gridded, cx| {
+        let cell = cx.project(Cell { size: CELL });
+        draw(cx, gridded_size(cell))
+    };
+    SidedRule Sided |_sided, cx| { let side = cx.project(SIDE); draw(cx, sided_size(side)) };
     // What it reads depends on what it read before.
     ChooserRule Chooser |_chooser, cx| {
         let tag = *cx.read::<Tag>();
@@ -153,7 +150,7 @@ impl Rule for SpinnerRule {
         Ok(spinner.speed)
     }
     fn visit(&self, speed: &f32, cx: &VisitContext<'_>, live: &mut [Affine3]) {
-        live[0] = spun(*speed, *cx.read::<Time>());
+        live[0] = spun(*speed, *cx.read::<Time>() as f32);
     }
 }
 
@@ -171,8 +168,35 @@ pub(super) fn keyed_size(path: sapwood::geom::StreamPath) -> f32 {
     1.0 + (Stream::new(path, Purpose("size")).unit() * 64.0).floor() / 4.0
 }
 
-pub(super) fn gridded_size(cell: (i32, i32)) -> f32 {
-    1.0 + ((cell.0 * 5 + cell.1) & 7) as f32
+pub(super) fn gridded_size(cell: [i32; 3]) -> f32 {
+    let [x, y, z] = cell;
+    1.0 + (x.wrapping_mul(5).wrapping_add(y).wrapping_sub(z.wrapping_mul(3)) & 7) as f32
+}
+
+pub(super) fn sided_size(side: Side) -> f32 {
+    match side {
+        Side::Inside => 1.0,
+        Side::Crossing => 2.0,
+        Side::Outside => 3.0,
+    }
+}
+
+/// In which cell something stands, by the reference's own reckoning.
+pub(super) fn cell_of(place: &Affine3) -> [i32; 3] {
+    place.translation.to_array().map(|x| (f64::from(x) / f64::from(CELL)).floor() as i32)
+}
+
+/// How something stands towards the large box: all turns are by right angles, so only the
+/// origin's place counts.
+pub(super) fn side_of(place: &Affine3) -> Side {
+    let far = place.translation.abs().max_element();
+    if far > 7.5 {
+        Side::Outside
+    } else if far <= 5.5 {
+        Side::Inside
+    } else {
+        Side::Crossing
+    }
 }
 
 pub(super) fn placed_size(place: &Affine3) -> f32 {
@@ -216,11 +240,13 @@ impl Variant {
             .with(SizedRule)
             .with(KeyedRule)
             .with(GriddedRule)
+            .with(SidedRule)
             .with(ChooserRule)
             .with(NestRule)
             .with(FragileRule)
             .with(PorchRule)
             .with(SpinnerRule)
+            .with(KitRule::<Knob>::new())
             .over(&built_in_rules());
         let mut top = RuleSet::new().with(ScaledPlainRule(self.plain_factor));
         if self.placed_is_flat {

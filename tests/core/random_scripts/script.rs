@@ -1,15 +1,19 @@
 //! One script: a random graph, random edits of it, and traversals in between.
 
-use sapwood::geom::StreamPath;
-use sapwood::scene::{Attribute, ChildPath, NodeId, PlantedFault, Scene, Switch, Transform};
+mod inputs;
+mod parameters;
+
+use sapwood::scene::{EditError, NodeId, PlantedFault, Scene};
 
 use super::dice::Dice;
-use super::kinds::*;
-use super::mirror::{Mirror, Refusal, View, What, attribute, room};
-use crate::core::kinds::{Plain, Size};
+use super::mirror::{Mirror, Refusal, RootValues, View};
+use super::what::What;
 
 /// Occurrences that a view may show at most.
 const MOST_OCCURRENCES: u64 = 3000;
+
+/// Occurrences that a value sub-graph may have at most.
+const MOST_ASKED: u64 = 300;
 
 pub(super) struct Script {
     pub(super) scene: Scene,
@@ -45,11 +49,15 @@ impl Script {
         script.in_bulk(is_bulk, |script| {
             while script.mirror.nodes.len() < n {
                 let what = script.dice.what();
-                if script.dice.chance(12) {
-                    script.share();
-                } else {
-                    let parent = script.some_parent();
-                    script.add(parent, what);
+                match script.dice.below(100) {
+                    0..12 => script.share(),
+                    12..17 => script.ask(),
+                    17..21 => script.connect(),
+                    21 => script.add_kit(),
+                    _ => {
+                        let parent = script.some_parent();
+                        script.add(parent, what);
+                    }
                 }
             }
         });
@@ -64,10 +72,7 @@ impl Script {
     fn open_view(&mut self, root: usize) -> View {
         let variant = self.dice.variant();
         let id = self.scene.open_view(self.mirror.id(root), &variant.rules()).unwrap();
-        let (size, tag, seed, time) = (1.0, 1, 0, 0.0);
-        let view = View { id, root, variant, size, tag, seed, time };
-        view.set_up(&mut self.scene, id);
-        view
+        View { id, root, variant, values: RootValues::default(), time: 0.0, eye: None }
     }
 
     fn in_bulk(&mut self, is_bulk: bool, edits: impl FnOnce(&mut Self)) {
@@ -93,7 +98,7 @@ impl Script {
         for _ in 0..20 {
             let node = self.some();
             let row = &self.mirror.nodes[node];
-            if row.children.len() < room(&row.what) {
+            if row.children.len() < row.what.room() {
                 return node;
             }
         }
@@ -103,7 +108,9 @@ impl Script {
     /// Whether views stay small enough, were the mirror like this.
     fn fits(&self, mirror: &Mirror) -> bool {
         let roots: Vec<usize> = self.views.iter().map(|view| view.root).collect();
+        let asked = mirror.nodes.iter().filter(|node| node.is_there).filter_map(|node| node.asks);
         mirror.most_occurrences(&roots) <= MOST_OCCURRENCES
+            && mirror.most_occurrences(&asked.collect::<Vec<_>>()) <= MOST_ASKED
     }
 
     fn add(&mut self, parent: usize, what: What) -> usize {
@@ -123,7 +130,7 @@ impl Script {
         parent: usize,
         index: usize,
         child: usize,
-        edit: impl FnOnce(&mut Scene, NodeId, NodeId) -> Result<(), sapwood::scene::EditError>,
+        edit: impl FnOnce(&mut Scene, NodeId, NodeId) -> Result<(), EditError>,
     ) -> Result<(), ()> {
         let refusal = self.mirror.refusal(parent, index, child);
         if refusal.is_none() {
@@ -238,131 +245,6 @@ impl Script {
         assert_eq!(self.scene.remove(self.mirror.id(node)).unwrap().len(), n_gone);
     }
 
-    fn change(&mut self) {
-        let node = self.some();
-        let what = self.mirror.nodes[node].what;
-        let changed = self.dice.changed(what);
-        self.earlier = Some((node, what));
-        self.set(node, changed);
-    }
-
-    fn undo(&mut self) {
-        if let Some((node, what)) = self.earlier.take()
-            && self.mirror.nodes[node].is_there
-        {
-            self.set(node, what);
-        }
-    }
-
-    /// Gives a node other parameters.
-    fn set(&mut self, node: usize, what: What) {
-        let before = std::mem::replace(&mut self.mirror.nodes[node].what, what);
-        if !self.fits(&self.mirror) {
-            self.mirror.nodes[node].what = before;
-            return;
-        }
-        self.note(format!("set {node} to {what:?}"));
-        let (scene, id) = (&mut self.scene, self.mirror.id(node));
-        macro_rules! edit {
-            ($kind:ty, $new:expr) => {{
-                let handle = scene.handle::<$kind>(id).unwrap();
-                scene.edit(handle, |component| *component = $new).unwrap();
-            }};
-        }
-        match what {
-            What::Transform(transform) => edit!(Transform, Transform(transform)),
-            What::Attribute { size, tag, seed } => edit!(Attribute, attribute(size, tag, seed)),
-            What::Switch(on) => edit!(Switch, Switch { on }),
-            What::Porch(tag) => edit!(Porch, Porch { tag }),
-            What::Spinner(speed) => edit!(Spinner, Spinner { speed }),
-            What::Plain(size) => edit!(Plain, Plain { size }),
-            What::Nest(depth) => edit!(Nest, Nest { depth }),
-            What::Fragile(value) => edit!(Fragile, Fragile { value }),
-            What::Keyed => edit!(Keyed, Keyed {}),
-            _ => {}
-        }
-    }
-
-    /// Sets or clears one slot of an attribute.
-    fn push(&mut self) {
-        let all = self.mirror.all();
-        let is_attribute =
-            |node: &usize| matches!(self.mirror.nodes[*node].what, What::Attribute { .. });
-        let attributes: Vec<usize> = all.into_iter().filter(is_attribute).collect();
-        if attributes.is_empty() {
-            return;
-        }
-        let node = self.dice.pick(&attributes);
-        let handle = self.scene.handle::<Attribute>(self.mirror.id(node)).unwrap();
-        let (slot, clears) = (self.dice.below(3), self.dice.chance(30));
-        let (new_size, new_tag) = (self.dice.size(), self.dice.tag());
-        let What::Attribute { size, tag, seed } = &mut self.mirror.nodes[node].what else { return };
-        let scene = &mut self.scene;
-        let had = match (slot, clears) {
-            (0, false) => return self.push_size(node, new_size),
-            (1, false) => {
-                *tag = Some(new_tag);
-                scene.push::<Tag>(handle, new_tag).unwrap();
-                true
-            }
-            (_, false) => {
-                *seed = Some(u64::from(new_tag));
-                scene.push::<ChildPath>(handle, StreamPath::new(u64::from(new_tag))).unwrap();
-                true
-            }
-            (0, true) => {
-                size.take().is_some() == scene.edit(handle, Attribute::clear::<Size>).unwrap()
-            }
-            (1, true) => {
-                tag.take().is_some() == scene.edit(handle, Attribute::clear::<Tag>).unwrap()
-            }
-            (_, true) => {
-                seed.take().is_some() == scene.edit(handle, Attribute::clear::<ChildPath>).unwrap()
-            }
-        };
-        assert!(had);
-        self.note(format!("slot {slot} of {node}: {:?}", self.mirror.nodes[node].what));
-    }
-
-    fn push_size(&mut self, node: usize, new: f32) {
-        let handle = self.scene.handle::<Attribute>(self.mirror.id(node)).unwrap();
-        if let What::Attribute { size, .. } = &mut self.mirror.nodes[node].what {
-            *size = Some(new);
-        }
-        self.scene.push::<Size>(handle, new).unwrap();
-        self.note(format!("size of {node}: {new}"));
-    }
-
-    fn root_value(&mut self) {
-        let place = self.dice.below(self.views.len());
-        let view = &mut self.views[place];
-        match self.dice.below(3) {
-            0 => {
-                view.size = self.dice.size();
-                self.scene.set_held::<Size>(view.id, view.size).unwrap();
-            }
-            1 => {
-                view.tag = self.dice.tag();
-                self.scene.set_held::<Tag>(view.id, view.tag).unwrap();
-            }
-            _ => {
-                view.seed = self.dice.below(3) as u64;
-                self.scene.set_held::<ChildPath>(view.id, StreamPath::new(view.seed)).unwrap();
-            }
-        }
-        let view = *view;
-        self.note(format!("root values: {view:?}"));
-    }
-
-    fn tick(&mut self) {
-        let place = self.dice.below(self.views.len());
-        let view = &mut self.views[place];
-        view.time += 1.0;
-        self.scene.set_moving::<Time>(view.id, view.time).unwrap();
-        let time = view.time;
-        self.note(format!("time of view {place}: {time}"));
-    }
-
     fn replace_rules(&mut self) {
         let place = self.dice.below(self.views.len());
         let view = &mut self.views[place];
@@ -381,27 +263,34 @@ impl Script {
 
     /// One random operation.
     pub(super) fn operate(&mut self, may_bulk: bool) {
-        match self.dice.below(34) {
+        match self.dice.below(50) {
             0..=2 => {
                 let (what, parent) = (self.dice.what(), self.some_parent());
                 let node = self.add(parent, what);
                 self.note(format!("add {what:?} {node} to {parent}"));
             }
-            3..=4 => self.share(),
-            5..=6 => self.insert(),
-            7..=8 => self.detach(),
-            9..=10 => self.reorder(),
-            11..=13 => self.reparent(),
-            14 => self.remove(),
-            15 => self.detach_stranger(),
-            16..=20 => self.change(),
+            3 => self.add_kit(),
+            4..=5 => self.share(),
+            6..=7 => self.insert(),
+            8..=9 => self.detach(),
+            10..=11 => self.reorder(),
+            12..=14 => self.reparent(),
+            15 => self.remove(),
+            16 => self.detach_stranger(),
+            17..=20 => self.change(),
             21..=22 => self.undo(),
-            23..=25 => self.push(),
-            26 => self.root_value(),
-            27..=28 => self.tick(),
-            29 => self.replace_rules(),
-            30 => self.reopen_view(),
-            31 => {
+            23..=27 => self.push(),
+            28..=30 => self.root_value(),
+            31..=32 => self.tick(),
+            33 => self.look_from(),
+            34..=36 => self.ask(),
+            37..=38 => self.change_asked(),
+            39..=40 => self.connect(),
+            41..=42 => self.change_source(),
+            43 => self.disconnect(),
+            44 => self.replace_rules(),
+            45 => self.reopen_view(),
+            46 => {
                 self.note("evict".to_owned());
                 self.scene.evict();
             }
