@@ -69,9 +69,12 @@ impl Label {
 
     /// What is wrong with the label's numbers, in words, or nothing.
     pub fn fault(&self) -> Option<String> {
-        let height = self.height;
-        (!(height.is_finite() && height > 0.0))
-            .then(|| format!("letters {height} m high; they must be above 0"))
+        let Self { height, color, .. } = self;
+        if !(height.is_finite() && *height > 0.0) {
+            return Some(format!("letters {height} m high; they must be above 0"));
+        }
+        let is_channel = |channel: &f32| (0.0..=1.0).contains(channel);
+        (!color.iter().all(is_channel)).then(|| format!("colour {color:?}; each in 0..=1"))
     }
 }
 
