@@ -1,5 +1,6 @@
 //! The core: scenes, slots, rules, sharing and what runs after an edit.
 
+mod built_ins;
 mod deep;
 mod edits;
 mod errors;
