@@ -104,3 +104,18 @@ fn a_dropped_read_is_caught() {
 fn a_wrong_early_stop_is_caught() {
     check_caught(PlantedFault::EarlyStop);
 }
+
+#[test]
+fn a_forgotten_force_is_caught() {
+    check_caught(PlantedFault::ForgottenForce);
+}
+
+#[test]
+fn a_driven_component_that_is_not_outdated_is_caught() {
+    check_caught(PlantedFault::KeptDriven);
+}
+
+#[test]
+fn an_asker_that_is_not_marked_is_caught() {
+    check_caught(PlantedFault::UnmarkedAsker);
+}

@@ -9,4 +9,10 @@ pub enum PlantedFault {
     DroppedRead,
     /// A plan made anew is taken to equal the one before.
     EarlyStop,
+    /// What is forced is left out of the keys of sites.
+    ForgottenForce,
+    /// What is driven is not noted as out of date.
+    KeptDriven,
+    /// What asks a value sub-graph is not marked.
+    UnmarkedAsker,
 }

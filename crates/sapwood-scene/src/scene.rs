@@ -146,6 +146,9 @@ impl Scene {
             crate::PlantedFault::DroppedMark => self.graph.drops_marks = true,
             crate::PlantedFault::DroppedRead => self.drops_reads = true,
             crate::PlantedFault::EarlyStop => self.cache.stops_early = true,
+            crate::PlantedFault::ForgottenForce => self.cache.forgets_forced = true,
+            crate::PlantedFault::KeptDriven => self.graph.keeps_driven = true,
+            crate::PlantedFault::UnmarkedAsker => self.graph.skips_askers = true,
         }
     }
 }

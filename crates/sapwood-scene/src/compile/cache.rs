@@ -145,6 +145,8 @@ pub(crate) struct Cache {
     pub(crate) is_checking: bool,
     #[cfg(feature = "planted-faults")]
     pub(crate) stops_early: bool,
+    #[cfg(feature = "planted-faults")]
+    pub(crate) forgets_forced: bool,
 }
 
 /// How much could be reached from the views.
@@ -182,6 +184,8 @@ impl Cache {
             is_checking: false,
             #[cfg(feature = "planted-faults")]
             stops_early: false,
+            #[cfg(feature = "planted-faults")]
+            forgets_forced: false,
         }
     }
 

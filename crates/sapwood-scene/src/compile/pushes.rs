@@ -49,6 +49,10 @@ impl Pushes<'_> {
                 above.retain(|above| *above != slot);
             }
         }
+        #[cfg(feature = "planted-faults")]
+        if self.cache.forgets_forced {
+            above.retain(|above| *above != forced);
+        }
         above
     }
 }

@@ -40,6 +40,10 @@ pub(crate) struct Graph {
     pub(super) bulk: Option<Vec<NodeId>>,
     #[cfg(feature = "planted-faults")]
     pub(crate) drops_marks: bool,
+    #[cfg(feature = "planted-faults")]
+    pub(crate) keeps_driven: bool,
+    #[cfg(feature = "planted-faults")]
+    pub(crate) skips_askers: bool,
 }
 
 impl Graph {
@@ -55,6 +59,10 @@ impl Graph {
             bulk: None,
             #[cfg(feature = "planted-faults")]
             drops_marks: false,
+            #[cfg(feature = "planted-faults")]
+            keeps_driven: false,
+            #[cfg(feature = "planted-faults")]
+            skips_askers: false,
         }
     }
 
