@@ -1,13 +1,22 @@
-//! Writing a file whole or not at all.
+//! Writing files whole or not at all, several together.
 //!
-//! The bytes go to a temporary file in the folder of the target, which takes the target's place
-//! only when everything is written and on the disk. What goes into the file is the caller's.
+//! The bytes of each file go to a temporary file in the folder of its target. When everything is
+//! written and on the disk, all of them take their targets' places, one after the other. What
+//! goes into the files is the caller's.
 
-use std::fs::{self, File};
+use std::ffi::OsString;
+use std::fmt;
+use std::fs::{self, File, Metadata};
 use std::io::{self, BufWriter, Write};
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use crate::Error;
+use tempfile::{NamedTempFile, TempPath};
+
+use crate::{Error, ErrorKind};
+
+/// Bytes that are handed to the operating system at once.
+const PIECE: usize = 1 << 16;
 
 /// Writes the file at `path` with what `fill` produces, or leaves everything as it was.
 ///
@@ -22,64 +31,258 @@ pub fn write_atomically(
     path: impl AsRef<Path>,
     fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), Error> {
-    let path = path.as_ref();
-    write_whole(path, fill).map_err(|cause| Error::write(path, cause))
+    let mut files = FileSet::new();
+    files.write(path, fill)?;
+    files.commit()
 }
 
-fn write_whole(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    let old = match fs::metadata(path) {
-        Ok(metadata) if metadata.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
-        Ok(metadata) if !metadata.is_file() => {
-            return fill_buffered(&mut File::options().write(true).open(path)?, fill);
-        }
-        Ok(metadata) => Some(metadata),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => None,
-        Err(error) => return Err(error),
-    };
-    // The rename must replace the file that a link points to, not the link.
-    let target = if old.is_some() { fs::canonicalize(path)? } else { path.to_owned() };
-    let name = target.file_name().ok_or(io::ErrorKind::InvalidFilename)?;
-    let folder = folder_of(&target);
+/// Files that are written together: all of them or none.
+///
+/// Each file is written as by [`write_atomically`], but takes its target's place only when
+/// [`commit`](Self::commit) is called. A set that is dropped before leaves nothing behind.
+#[derive(Default)]
+pub struct FileSet {
+    files: Vec<Staged>,
+    watch: Option<Watch>,
+}
 
-    let mut prefix = std::ffi::OsString::from(".");
-    prefix.push(name);
-    prefix.push(".");
+type Watch = Box<dyn Fn(&Path, u64) -> ControlFlow<()>>;
+
+impl FileSet {
+    /// A set without files.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// A set without files that lets `watch` follow, and end, the writing.
+    ///
+    /// It is called often, with the file that is being written and the bytes written to it so
+    /// far; a break makes the writer fail with [`ErrorKind::Stopped`].
+    pub fn watched(watch: impl Fn(&Path, u64) -> ControlFlow<()> + 'static) -> Self {
+        Self { files: Vec::new(), watch: Some(Box::new(watch)) }
+    }
+
+    /// Adds a file with what `fill` produces. Its target stays as it is for now, unless it is no
+    /// regular file.
+    ///
+    /// # Errors
+    /// Those of [`write_atomically`], and when the set has this file already.
+    pub fn write(
+        &mut self,
+        path: impl AsRef<Path>,
+        fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<(), Error> {
+        let path = path.as_ref();
+        let staged = self.stage(path, fill).map_err(|cause| {
+            if cause.get_ref().is_some_and(|inner| inner.is::<Stopped>()) {
+                return Error::new(ErrorKind::Stopped).in_file(&path.display().to_string());
+            }
+            Error::write(path, cause)
+        })?;
+        self.files.push(staged);
+        Ok(())
+    }
+
+    /// The files added so far, each with its length in bytes.
+    pub fn written(&self) -> impl Iterator<Item = (&Path, u64)> {
+        self.files.iter().map(|file| (file.path.as_path(), file.bytes))
+    }
+
+    /// Puts every file in its place, in the order in which they were added.
+    ///
+    /// Each place changes hands at once, so nobody ever sees a part of a file. Should one refuse,
+    /// those before it get back what they held.
+    ///
+    /// # Errors
+    /// When a file cannot be renamed; all targets are then as they were.
+    pub fn commit(self) -> Result<(), Error> {
+        let is_lone = self.files.len() == 1;
+        let mut placed: Vec<Placed> = Vec::with_capacity(self.files.len());
+        for Staged { path, part, .. } in self.files {
+            let Some(part) = part else { continue };
+            match part.place(!is_lone) {
+                Ok(done) => placed.push(done),
+                Err(cause) => {
+                    placed.into_iter().rev().for_each(Placed::undo);
+                    return Err(Error::write(&path, cause));
+                }
+            }
+        }
+        // The new names reach the disk with their folders; where folders cannot be synchronised
+        // the files are in place all the same.
+        let mut folders: Vec<PathBuf> =
+            placed.iter().map(|placed| folder_of(&placed.target)).collect();
+        folders.sort();
+        folders.dedup();
+        for folder in folders {
+            if let Ok(folder) = File::open(folder) {
+                let _ = folder.sync_all();
+            }
+        }
+        Ok(())
+    }
+
+    /// Fails where the watch wants the writing of `path` to end.
+    pub(crate) fn check(&self, path: &Path) -> Result<(), Error> {
+        match self.watch.as_ref().map(|watch| watch(path, 0)) {
+            Some(ControlFlow::Break(())) => {
+                Err(Error::new(ErrorKind::Stopped).in_file(&path.display().to_string()))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn stage(
+        &self,
+        path: &Path,
+        fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> io::Result<Staged> {
+        let old = match fs::metadata(path) {
+            Ok(metadata) if metadata.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
+            Ok(metadata) if !metadata.is_file() => {
+                let mut file = File::options().write(true).open(path)?;
+                self.fill(path, &mut file, fill)?;
+                // A device has no length.
+                return Ok(Staged { path: path.to_owned(), bytes: 0, part: None });
+            }
+            Ok(metadata) => Some(metadata),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+            Err(error) => return Err(error),
+        };
+        let target = target_of(path)?;
+        let twice = |file: &Staged| file.part.as_ref().is_some_and(|part| part.target == target);
+        if self.files.iter().any(twice) {
+            return Err(io::Error::other("it is written twice"));
+        }
+        let mut part = Part::new(target, old)?;
+        let bytes = self.fill(path, part.file.as_file_mut(), fill)?;
+        if let Some(old) = &part.old {
+            part.file.as_file().set_permissions(old.permissions())?;
+        }
+        part.file.as_file().sync_all()?;
+        Ok(Staged { path: path.to_owned(), bytes, part: Some(part) })
+    }
+
+    fn fill(
+        &self,
+        path: &Path,
+        file: &mut File,
+        fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> io::Result<u64> {
+        let watched = Watched { file, path, bytes: 0, watch: self.watch.as_ref() };
+        let mut buffered = BufWriter::with_capacity(PIECE, watched);
+        let done = fill(&mut buffered).and_then(|()| buffered.flush());
+        // What failed must not be written once more when the buffer is dropped.
+        let (watched, _) = buffered.into_parts();
+        done.map(|()| watched.bytes)
+    }
+}
+
+impl fmt::Debug for FileSet {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_list().entries(self.written()).finish()
+    }
+}
+
+/// A file of a set, written but for its name.
+struct Staged {
+    /// As the caller gave it.
+    path: PathBuf,
+    bytes: u64,
+    /// Nothing for what was written to directly.
+    part: Option<Part>,
+}
+
+/// A temporary file beside its target.
+struct Part {
+    target: PathBuf,
+    file: NamedTempFile,
+    /// What is known of the file that stands in the target's place.
+    old: Option<Metadata>,
+}
+
+impl Part {
+    fn new(target: PathBuf, old: Option<Metadata>) -> io::Result<Self> {
+        let prefix = hidden(&target)?;
+        let folder = folder_of(&target);
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(&prefix).suffix(".part");
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt as _;
+            // Less the process's own mask, as for any new file; the default would be private.
+            builder.permissions(fs::Permissions::from_mode(0o666));
+        }
+        let file = builder.tempfile_in(&folder).map_err(|cause| match cause.kind() {
+            io::ErrorKind::NotFound => {
+                io::Error::new(cause.kind(), format!("there is no folder {}", folder.display()))
+            }
+            // The bare kind, for the cause names a temporary file that nobody knows.
+            kind => kind.into(),
+        })?;
+        Ok(Self { target, file, old })
+    }
+
+    /// Takes the target's place; on request what stood there can be put back.
+    fn place(self, keeps_old: bool) -> io::Result<Placed> {
+        let Self { target, file, old } = self;
+        let kept = match old {
+            Some(_) if keeps_old => Some(second_name(&target)?),
+            _ => None,
+        };
+        file.persist(&target).map_err(|failure| failure.error)?;
+        Ok(Placed { target, kept })
+    }
+}
+
+/// A file of a set that took its target's place.
+struct Placed {
+    target: PathBuf,
+    /// What stood there before, under a name of its own that goes when this is dropped.
+    kept: Option<TempPath>,
+}
+
+impl Placed {
+    /// Puts back what stood there, as well as that can be done.
+    fn undo(self) {
+        let _ = match self.kept {
+            Some(kept) => kept.persist(&self.target).map_err(|failure| failure.error),
+            None => fs::remove_file(&self.target),
+        };
+    }
+}
+
+/// A second name for a file, or a copy of it where a file has one name only.
+fn second_name(target: &Path) -> io::Result<TempPath> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(&prefix).suffix(".part");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt as _;
-        // Less the process's own mask, as for any new file; the default would be private.
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    let mut part = builder.tempfile_in(&folder).map_err(|cause| match cause.kind() {
-        io::ErrorKind::NotFound => {
-            io::Error::new(cause.kind(), format!("there is no folder {}", folder.display()))
+    let prefix = hidden(target)?;
+    builder.prefix(&prefix).suffix(".old");
+    let made = builder.make_in(folder_of(target), |path| match fs::hard_link(target, path) {
+        Err(cause) if cause.kind() != io::ErrorKind::AlreadyExists => {
+            fs::copy(target, path).map(drop)
         }
-        // The bare kind, for the cause names a temporary file that nobody knows.
-        kind => kind.into(),
+        outcome => outcome,
     })?;
-    fill_buffered(part.as_file_mut(), fill)?;
-    if let Some(old) = old {
-        part.as_file().set_permissions(old.permissions())?;
-    }
-    part.as_file().sync_all()?;
-    part.persist(&target).map_err(|failure| failure.error)?;
-    // The new name reaches the disk with the folder; where folders cannot be synchronised the
-    // file is in place all the same.
-    if let Ok(folder) = File::open(&folder) {
-        let _ = folder.sync_all();
-    }
-    Ok(())
+    Ok(made.into_temp_path())
 }
 
-fn fill_buffered(
-    file: &mut File,
-    fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> io::Result<()> {
-    let mut buffered = BufWriter::with_capacity(1 << 16, file);
-    fill(&mut buffered)?;
-    buffered.flush()
+/// The file that a rename must replace: what a link points to, not the link.
+fn target_of(path: &Path) -> io::Result<PathBuf> {
+    if let Ok(target) = fs::canonicalize(path) {
+        return Ok(target);
+    }
+    let name = path.file_name().ok_or(io::ErrorKind::InvalidFilename)?;
+    // Where the folder is missing, whoever makes a file in it will say so.
+    let folder = folder_of(path);
+    Ok(fs::canonicalize(&folder).map_or_else(|_| path.to_owned(), |folder| folder.join(name)))
+}
+
+/// How the names of hidden files begin that stand in for `target`.
+fn hidden(target: &Path) -> io::Result<OsString> {
+    let mut prefix = OsString::from(".");
+    prefix.push(target.file_name().ok_or(io::ErrorKind::InvalidFilename)?);
+    prefix.push(".");
+    Ok(prefix)
 }
 
 fn folder_of(target: &Path) -> PathBuf {
@@ -88,6 +291,43 @@ fn folder_of(target: &Path) -> PathBuf {
         _ => PathBuf::from("."),
     }
 }
+
+/// A file that somebody watches being written.
+struct Watched<'a> {
+    file: &'a mut File,
+    path: &'a Path,
+    bytes: u64,
+    watch: Option<&'a Watch>,
+}
+
+impl Write for Watched<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if let Some(watch) = self.watch
+            && watch(self.path, self.bytes).is_break()
+        {
+            return Err(io::Error::other(Stopped));
+        }
+        let n = self.file.write(bytes)?;
+        self.bytes += n as u64;
+        Ok(n)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+/// The watch wanted the writing to end.
+#[derive(Debug)]
+struct Stopped;
+
+impl fmt::Display for Stopped {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("stopped")
+    }
+}
+
+impl std::error::Error for Stopped {}
 
 #[cfg(test)]
 mod tests {
@@ -198,5 +438,74 @@ mod tests {
         assert_eq!(fs::read(&path).unwrap(), b"new");
         assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+    }
+
+    #[test]
+    fn files_of_a_set_appear_together() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::write(at("b"), "old").unwrap();
+        let mut files = FileSet::new();
+        files.write(at("a"), |out| out.write_all(b"one")).unwrap();
+        files.write(at("b"), |out| out.write_all(b"other")).unwrap();
+        assert!(!at("a").exists());
+        assert_eq!(fs::read(at("b")).unwrap(), b"old");
+        let lengths: Vec<_> = files.written().map(|(_, bytes)| bytes).collect();
+        assert_eq!(lengths, [3, 5]);
+        files.commit().unwrap();
+        assert_eq!(names(folder.path()), ["a", "b"]);
+        assert_eq!(fs::read(at("b")).unwrap(), b"other");
+    }
+
+    #[test]
+    fn a_set_that_is_dropped_leaves_nothing() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut files = FileSet::new();
+        files.write(folder.path().join("a"), |out| out.write_all(b"one")).unwrap();
+        let error = files.write(folder.path().join("no/b"), |_| Ok(())).unwrap_err();
+        assert_eq!(cause(&error), io::ErrorKind::NotFound);
+        drop(files);
+        assert!(names(folder.path()).is_empty());
+    }
+
+    #[test]
+    fn where_one_place_refuses_the_others_get_back_what_they_held() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        fs::write(at("b"), "old").unwrap();
+        let mut files = FileSet::new();
+        for name in ["a", "b", "c"] {
+            files.write(at(name), |out| out.write_all(b"new")).unwrap();
+        }
+        // Nothing can be renamed onto a folder.
+        fs::create_dir(at("c")).unwrap();
+        let error = files.commit().unwrap_err();
+        assert!(error.file().is_some_and(|file| file.ends_with("c")), "{error}");
+        assert_eq!(names(folder.path()), ["b", "c"]);
+        assert_eq!(fs::read(at("b")).unwrap(), b"old");
+    }
+
+    #[test]
+    fn a_file_is_in_a_set_once() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::create_dir(folder.path().join("in")).unwrap();
+        let mut files = FileSet::new();
+        files.write(folder.path().join("a"), |_| Ok(())).unwrap();
+        let error = files.write(folder.path().join("in/../a"), |_| Ok(())).unwrap_err();
+        assert!(error.to_string().ends_with("it is written twice"), "{error}");
+    }
+
+    #[test]
+    fn a_watch_follows_the_writing_and_ends_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a");
+        let mut files = FileSet::watched(|_, bytes| {
+            if bytes >= 1 << 20 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        let fill = |out: &mut dyn Write| (0..1000).try_for_each(|_| out.write_all(&[7; 4096]));
+        let error = files.write(&path, fill).unwrap_err();
+        assert!(matches!(error.kind(), ErrorKind::Stopped), "{error}");
+        assert!(files.written().next().is_none());
+        assert!(names(folder.path()).is_empty());
     }
 }

@@ -10,7 +10,7 @@ mod species;
 mod spelling;
 mod svg;
 
-pub use atomic::write_atomically;
+pub use atomic::{FileSet, write_atomically};
 pub use error::{Error, ErrorKind, Place};
 pub use glb::{glb_bytes, write_glb};
 pub use species::{
