@@ -122,14 +122,13 @@ impl FileSet {
         Ok(())
     }
 
-    /// Fails where the watch wants the writing of `path` to end.
-    pub(crate) fn check(&self, path: &Path) -> Result<(), Error> {
-        match self.watch.as_ref().map(|watch| watch(path, 0)) {
-            Some(ControlFlow::Break(())) => {
-                Err(Error::new(ErrorKind::Stopped).in_file(&path.display().to_string()))
-            }
-            _ => Ok(()),
-        }
+    /// Adds several files that belong together: should one fail, none of them is added.
+    pub(crate) fn together(
+        &mut self,
+        add: impl FnOnce(&mut Self) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let n_before = self.files.len();
+        add(self).inspect_err(|_| self.files.truncate(n_before))
     }
 
     fn stage(

@@ -151,6 +151,8 @@ pub enum ErrorKind {
         /// What the operating system said.
         cause: io::Error,
     },
+    /// Whoever watched the writing wanted it to end; what stood there before still does.
+    Stopped,
     /// Something that a file of this format cannot hold.
     Unwritable {
         /// The component that draws it.
@@ -219,7 +221,10 @@ impl Error {
     pub fn is_write(&self) -> bool {
         matches!(
             self.0.kind,
-            ErrorKind::Write { .. } | ErrorKind::Unwritable { .. } | ErrorKind::TooLarge { .. }
+            ErrorKind::Write { .. }
+                | ErrorKind::Stopped
+                | ErrorKind::Unwritable { .. }
+                | ErrorKind::TooLarge { .. }
         )
     }
 
@@ -326,6 +331,7 @@ impl fmt::Display for ErrorKind {
                 write!(f, "no built-in species and no file is called '{name}'{meant}")
             }
             Self::Write { cause } => write!(f, "cannot be written: {cause}"),
+            Self::Stopped => f.write_str("not written: stopped before the end"),
             Self::Unwritable { component, reason } => {
                 write!(f, "component '{component}' cannot be written: {reason}")
             }

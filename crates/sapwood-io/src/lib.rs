@@ -1,18 +1,23 @@
-//! Files in and out: species in TOML and in XML of Arbaro, glTF and SVG out, all errors with file
+//! Files in and out: species in TOML and in XML of Arbaro, glTF, OBJ and SVG out, all errors with file
 //! and place.
 //!
 //! The only crate that opens files. It grows nothing: what it writes it is given as a draw list.
 
 mod atomic;
 mod error;
-mod glb;
+mod gltf;
+mod obj;
+mod parts;
+mod png;
+mod sound;
 mod species;
 mod spelling;
 mod svg;
 
+pub use self::gltf::{glb_bytes, gltf_buffer_path, write_glb, write_gltf};
 pub use atomic::{FileSet, write_atomically};
 pub use error::{Error, ErrorKind, Place};
-pub use glb::{glb_bytes, write_glb};
+pub use obj::{obj_material_path, write_obj};
 pub use species::{
     built_in, built_in_names, built_in_text, find_species, parse_species, read_species, suggest,
     write_species,

@@ -1,7 +1,9 @@
-//! Skeletons as SVG: every polyline seen from the front, as thick as its stem.
+//! Skeletons as SVG: every polyline seen from the front, as thick as its stem, and texts.
 //!
 //! The view is along -z: world x to the right, y up, drawn to scale with a ruler in metres.
 //! Depth, colour and surfaces are left to pictures.
+
+mod labels;
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -11,28 +13,33 @@ use sapwood_geom::glam::{Affine3, Vec2};
 
 use sapwood_graph::{DrawList, Kind, LineRow};
 
-use crate::{Error, ErrorKind, write_atomically};
+use crate::{Error, ErrorKind, FileSet};
+use labels::Text;
 
 /// Height of the picture in pixels, at the size that a viewer shows it first.
 const PIXELS: f32 = 1000.0;
 /// The thinnest stroke, in those pixels.
 const THINNEST: f32 = 0.7;
 
-/// The polylines of `list` as an SVG text, seen from the front.
+/// The polylines and lines of text of `list` as an SVG text, seen from the front.
 ///
-/// The same list gives the same text. A list without lines gives an empty picture.
+/// The same list gives the same text. A list with neither gives an empty picture.
 ///
 /// # Errors
-/// When a point or a radius is not finite.
+/// When a point or a radius is not finite, or a text has no size.
 pub fn svg(list: &DrawList) -> Result<String, Error> {
-    let mut strokes = Vec::new();
+    let (mut strokes, mut texts) = (Vec::new(), Vec::new());
     for occurrence in &list.occurrences {
         let body = &list.bodies[occurrence.body as usize];
         for row in &body.lines {
             flatten(body.kind, &(occurrence.world * row.local), row, &mut strokes)?;
         }
+        for row in &body.labels {
+            let text = Text::of(&row.label, &(occurrence.world * row.local));
+            texts.push(text.map_err(|reason| unwritable(body.kind, reason))?);
+        }
     }
-    let frame = Frame::around(&strokes);
+    let frame = Frame::around(&strokes, texts.iter().flat_map(Text::corners));
     let (mut outlines, mut threads) = (String::new(), String::new());
     for stroke in &strokes {
         let drawn = stroke.simplified(frame.thinnest);
@@ -42,17 +49,36 @@ pub fn svg(list: &DrawList) -> Result<String, Error> {
             frame.path(&mut outlines, outline(&drawn, frame.thinnest), true);
         }
     }
-    Ok(frame.document(&outlines, &threads))
+    let mut written = String::new();
+    texts.iter().for_each(|text| text.draw(&frame, &mut written));
+    Ok(frame.document(&outlines, &threads, &written))
 }
 
 /// Writes what [`svg`] gives to the file at `path`, whole or not at all.
 ///
 /// # Errors
-/// Those of [`svg`] and of [`write_atomically`].
+/// Those of [`svg`] and of [`write_atomically`](crate::write_atomically).
 pub fn write_svg(path: impl AsRef<Path>, list: &DrawList) -> Result<(), Error> {
-    let path = path.as_ref();
-    let text = svg(list).map_err(|error| error.in_file(&path.display().to_string()))?;
-    write_atomically(path, |out| out.write_all(text.as_bytes()))
+    let mut files = FileSet::new();
+    files.add_svg(path, list)?;
+    files.commit()
+}
+
+/// SVG.
+impl FileSet {
+    /// Adds what [`write_svg`] writes.
+    ///
+    /// # Errors
+    /// Those of [`write_svg`].
+    pub fn add_svg(&mut self, path: impl AsRef<Path>, list: &DrawList) -> Result<(), Error> {
+        let path = path.as_ref();
+        let text = svg(list).map_err(|error| error.in_file(&path.display().to_string()))?;
+        self.write(path, |out| out.write_all(text.as_bytes()))
+    }
+}
+
+fn unwritable(kind: Kind, reason: String) -> Error {
+    Error::new(ErrorKind::Unwritable { component: kind.name().to_owned(), reason })
 }
 
 /// A polyline in the plane of the picture, in metres, y up.
@@ -68,10 +94,7 @@ fn flatten(
     let stretch = libm::cbrtf(place.matrix3.determinant().abs());
     for line in row.lines.iter() {
         let stroke = flatten_line(line, place, stretch).ok_or_else(|| {
-            Error::new(ErrorKind::Unwritable {
-                component: kind.name().to_owned(),
-                reason: "a point or a radius of its lines is not finite".to_owned(),
-            })
+            unwritable(kind, "a point or a radius of its lines is not finite".to_owned())
         })?;
         if !stroke.0.is_empty() {
             strokes.push(stroke);
@@ -136,13 +159,20 @@ struct Frame {
 }
 
 impl Frame {
-    fn around(strokes: &[Stroke]) -> Self {
+    fn around(strokes: &[Stroke], corners: impl Iterator<Item = Vec2>) -> Self {
         let (mut min, mut max) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
         let mut foot = f32::INFINITY;
         for (point, radius) in strokes.iter().flat_map(|stroke| &stroke.0) {
             min = min.min(*point - *radius);
             max = max.max(*point + *radius);
             foot = foot.min(point.y);
+        }
+        for corner in corners {
+            min = min.min(corner);
+            max = max.max(corner);
+        }
+        if foot == f32::INFINITY {
+            foot = min.y;
         }
         if !(min.cmple(max).all()) {
             (min, max, foot) = (Vec2::ZERO, Vec2::ONE, 0.0);
@@ -201,7 +231,7 @@ impl Frame {
         text.push('\n');
     }
 
-    fn document(&self, outlines: &str, threads: &str) -> String {
+    fn document(&self, outlines: &str, threads: &str, written: &str) -> String {
         let size = self.max - self.min;
         let (width, height) = (self.length(size.x), self.length(size.y));
         let pixels = size * (PIXELS / size.max_element());
@@ -230,6 +260,7 @@ impl Frame {
                 outlines.trim_end()
             );
         }
+        text.push_str(written);
         self.ruler(&mut text);
         text.push_str("</svg>\n");
         text
@@ -317,7 +348,10 @@ mod tests {
 
     #[test]
     fn up_in_the_world_is_up_in_the_picture() {
-        let frame = Frame::around(&[Stroke(vec![(Vec2::ZERO, 0.1), (Vec2::Y * 10.0, 0.1)])]);
+        let frame = Frame::around(
+            &[Stroke(vec![(Vec2::ZERO, 0.1), (Vec2::Y * 10.0, 0.1)])],
+            std::iter::empty(),
+        );
         assert!(frame.units(Vec2::Y * 10.0).1 < frame.units(Vec2::ZERO).1);
         assert!(frame.units(Vec2::X).0 > frame.units(Vec2::ZERO).0);
     }

@@ -5,10 +5,11 @@ use json::Index;
 use json::accessor::{ComponentType, GenericComponentType, Type};
 use json::buffer::Target;
 use json::validation::{Checked::Valid, USize64};
+use sapwood_geom::Aabb;
 use sapwood_geom::glam::{Vec2, Vec3};
-use sapwood_geom::{Aabb, Mesh};
 
-use super::merge::Part;
+use crate::parts::Part;
+use crate::sound;
 
 /// The accessors of one primitive.
 pub(super) struct Accessors {
@@ -39,7 +40,7 @@ pub(super) struct BufferBuilder {
 }
 
 impl BufferBuilder {
-    /// A chunk of this many bytes, the sum of all parts.
+    /// A chunk of this many bytes, the sum of all parts and images.
     pub(super) fn new(bytes: u64) -> Self {
         Self { bytes: vec![0; bytes as usize], next: 0 }
     }
@@ -65,7 +66,7 @@ impl BufferBuilder {
         let (uvs, indices) = rest.split_at_mut(n_vertices * 8);
         let (mut vertex, mut index) = (0, 0);
         part.each_mesh(|mesh| {
-            check(mesh)?;
+            sound::check(mesh)?;
             bounds = mesh.positions.iter().fold(bounds, |bounds, point| bounds.with_point(*point));
             write_floats(&mut positions[vertex * 12..], &mesh.positions, Vec3::to_array);
             write_floats(&mut normals[vertex * 12..], &mesh.normals, Vec3::to_array);
@@ -99,6 +100,12 @@ impl BufferBuilder {
         let positions = &mut root.accessors[accessors.positions.value()];
         (positions.min, positions.max) = (Some(value(bounds.min)), Some(value(bounds.max)));
         Ok(accessors)
+    }
+
+    /// Adds the bytes of an image, whose view is declared already.
+    pub(super) fn add_image(&mut self, bytes: &[u8]) {
+        self.bytes[self.next..self.next + bytes.len()].copy_from_slice(bytes);
+        self.next += bytes.len().next_multiple_of(4);
     }
 
     /// Declares the buffer and hands over its bytes; nothing where it is empty.
@@ -160,28 +167,4 @@ fn accessor(
 
 fn value(vector: Vec3) -> json::Value {
     json::Value::from(vector.to_array().map(f64::from).to_vec())
-}
-
-/// What glTF does not allow in `mesh`, if anything.
-fn check(mesh: &Mesh) -> Result<(), String> {
-    let n = mesh.positions.len();
-    if mesh.normals.len() != n || mesh.uvs.len() != n {
-        let (normals, uvs) = (mesh.normals.len(), mesh.uvs.len());
-        return Err(format!("{n} positions, {normals} normals, {uvs} texture coordinates"));
-    }
-    if let Some(i) = mesh.positions.iter().position(|position| !position.is_finite()) {
-        return Err(format!("the position of vertex {i} is {}", mesh.positions[i]));
-    }
-    if let Some(i) = mesh.uvs.iter().position(|uv| !uv.is_finite()) {
-        return Err(format!("the texture coordinate of vertex {i} is {}", mesh.uvs[i]));
-    }
-    // Catches NaN too. The validator's own tolerance is about 0.007.
-    let unit = |normal: &Vec3| (normal.length_squared() - 1.0).abs() <= 0.01;
-    if let Some(i) = mesh.normals.iter().position(|normal| !unit(normal)) {
-        return Err(format!("the normal of vertex {i} is {}, not of length 1", mesh.normals[i]));
-    }
-    match mesh.indices.iter().find(|index| **index as usize >= n) {
-        Some(index) => Err(format!("a triangle uses vertex {index} of {n}")),
-        None => Ok(()),
-    }
 }

@@ -4,7 +4,7 @@
 //! if it is the product of those. A sheared transform is written exactly as two nested nodes:
 //! `M = B * R` where the columns of `B` are orthogonal and `R` is a rotation.
 
-use sapwood_geom::glam::{Affine3, DMat3, DQuat, DVec3, Vec3};
+use sapwood_geom::glam::{Affine3, DMat3, DQuat, DVec3, Mat3, Vec3};
 
 /// Two columns are orthogonal when their cosine is below this; rounding of single floats stays
 /// well under it.
@@ -33,6 +33,15 @@ pub(super) fn of(transform: &Affine3) -> Placement {
         scale: (scale != Vec3::ONE).then(|| scale.to_array()),
         inner: quaternion(&inner),
     }
+}
+
+/// The place and the direction of what has no size: -z stays where it is turned to, and y as near
+/// to where it was turned to as that allows.
+pub(super) fn rigid(transform: &Affine3) -> Affine3 {
+    let matrix = &transform.matrix3;
+    let z = matrix.z_axis.try_normalize().unwrap_or(Vec3::Z);
+    let x = matrix.y_axis.cross(z).try_normalize().unwrap_or_else(|| z.any_orthonormal_vector());
+    Affine3 { matrix3: Mat3::from_cols(x, z.cross(x), z), translation: transform.translation }
 }
 
 const PAIRS: [(usize, usize); 3] = [(0, 1), (0, 2), (1, 2)];
@@ -126,7 +135,7 @@ fn quaternion(rotation: &DMat3) -> Option<[f32; 4]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sapwood_geom::glam::{Mat3, Quat};
+    use sapwood_geom::glam::Quat;
 
     /// The matrix that a reader of the nodes arrives at.
     fn read(placement: &Placement) -> Affine3 {
@@ -175,5 +184,19 @@ mod tests {
         let mut all_alike = Affine3::IDENTITY;
         all_alike.matrix3 = Mat3::from_cols(Vec3::ONE, Vec3::ONE, Vec3::ONE);
         check(all_alike, true);
+    }
+
+    #[test]
+    fn what_has_no_size_keeps_its_direction() {
+        let turn = Affine3::from_rotation_x(0.4) * Affine3::from_rotation_y(2.0);
+        let stretched = Affine3::from_scale(Vec3::new(-3.0, 0.5, 2.0));
+        let world = Affine3::from_translation(Vec3::X) * turn * stretched;
+        let rigid = rigid(&world);
+        let placement = of(&rigid);
+        assert_eq!((placement.scale, placement.inner), (None, None));
+        let ahead = rigid.transform_vector3(Vec3::NEG_Z);
+        assert!(ahead.distance(turn.transform_vector3(Vec3::NEG_Z)) < 1e-6);
+        assert!(rigid.transform_vector3(Vec3::Y).distance(turn.transform_vector3(Vec3::Y)) < 1e-6);
+        assert!(super::rigid(&Affine3::from_scale(Vec3::ZERO)).is_finite());
     }
 }

@@ -6,14 +6,14 @@ use sapwood_geom::Mesh;
 use sapwood_geom::glam::Affine3;
 use sapwood_graph::{Body, DrawRow, Material};
 
-/// What becomes one primitive: rows of one body with equal materials.
-pub(super) struct Part<'a> {
-    pub(super) material: &'a Arc<Material>,
-    rows: Vec<&'a DrawRow>,
+/// Rows of one body with equal materials.
+pub(crate) struct Part<'a> {
+    pub(crate) material: &'a Arc<Material>,
+    pub(crate) rows: Vec<&'a DrawRow>,
 }
 
 /// The rows of `body` that have triangles, by material, in the order of the rows.
-pub(super) fn parts(body: &Body) -> Vec<Part<'_>> {
+pub(crate) fn parts(body: &Body) -> Vec<Part<'_>> {
     let mut parts: Vec<Part<'_>> = Vec::new();
     for row in &body.rows {
         if row.mesh.is_empty() || n_copies(row) == 0 {
@@ -30,13 +30,14 @@ pub(super) fn parts(body: &Body) -> Vec<Part<'_>> {
     parts
 }
 
-fn n_copies(row: &DrawRow) -> usize {
+/// How often a row repeats its mesh.
+pub(crate) fn n_copies(row: &DrawRow) -> usize {
     row.instances.as_ref().map_or(1, |instances| instances.len())
 }
 
 impl Part<'_> {
     /// Number of vertices and of indices, every instance counted.
-    pub(super) fn size(&self) -> (u64, u64) {
+    pub(crate) fn size(&self) -> (u64, u64) {
         self.rows.iter().fold((0, 0), |(vertices, indices), row| {
             let n = n_copies(row) as u64;
             (
@@ -47,14 +48,14 @@ impl Part<'_> {
     }
 
     /// Whether every row's indices come in threes.
-    pub(super) fn is_triangles(&self) -> bool {
+    pub(crate) fn is_triangles(&self) -> bool {
         self.rows.iter().all(|row| row.mesh.indices.len().is_multiple_of(3))
     }
 
     /// Hands every mesh of the part to `take`, in the body's frame, one after the other.
     ///
     /// A mesh that is not moved keeps every bit. No more than one mesh is copied at a time.
-    pub(super) fn each_mesh<E>(
+    pub(crate) fn each_mesh<E>(
         &self,
         mut take: impl FnMut(&Mesh) -> Result<(), E>,
     ) -> Result<(), E> {
