@@ -343,6 +343,13 @@ impl LeafParams {
         }
     }
 
+    /// A share of the leaves, of the same area together. Fans keep their leaves: there are few,
+    /// and they are set one by one.
+    pub fn thinned(&self, share: f32) -> Self {
+        let share = if self.count < 0 { 1.0 } else { share.clamp(1e-6, 1.0) };
+        Self { quality: self.quality * share, ..self.clone() }
+    }
+
     /// The length of a leaf in metres; thinning by quality keeps the total area.
     pub fn length(&self) -> f32 {
         self.scale / self.quality.sqrt()

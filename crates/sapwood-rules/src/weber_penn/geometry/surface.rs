@@ -6,7 +6,7 @@ use sapwood_geom::{Cap, Mesh, Ring, Section, Sweep, SweepOptions, SweepStart, co
 use super::ring_places::find_places;
 use crate::weber_penn::{Segment, Stem, Stems, TrunkForm};
 
-/// How finely stems are meshed.
+/// How finely stems are meshed, and how many leaves stand for all.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Detail {
     /// 0 angular to 1 smooth: sides of a stem's cross-section; Arbaro's Smooth.
@@ -15,6 +15,11 @@ pub struct Detail {
     pub sides: f32,
     /// Factor on the number of rings that curved profiles have between segment ends.
     pub rings: f32,
+    /// Share of the segment ends that have a ring on stems of level 2 and above; the last end
+    /// always has one.
+    pub ends: f32,
+    /// Share of the leaves that are drawn; fewer are larger, so that they cover as much.
+    pub leaves: f32,
     /// Width in metres that one repeat of the bark's texture should have; each stem takes the
     /// whole number of repeats that comes nearest, at least 1.
     pub bark_width: f32,
@@ -22,15 +27,28 @@ pub struct Detail {
     pub closed_foot: bool,
 }
 
-content!(Detail { smooth, sides, rings, bark_width, closed_foot });
+content!(Detail { smooth, sides, rings, ends, leaves, bark_width, closed_foot });
 
 impl Default for Detail {
     fn default() -> Self {
-        Self { smooth: 0.5, sides: 1.0, rings: 1.0, bark_width: 0.5, closed_foot: true }
+        Self {
+            smooth: 0.5,
+            sides: 1.0,
+            rings: 1.0,
+            ends: 1.0,
+            leaves: 1.0,
+            bark_width: 0.5,
+            closed_foot: true,
+        }
     }
 }
 
 impl Detail {
+    /// A tree still to be recognised, in about a quarter of the triangles.
+    pub fn draft() -> Self {
+        Self { smooth: 0.0, sides: 0.5, rings: 0.25, ends: 0.0, leaves: 0.25, ..Self::default() }
+    }
+
     /// Sides of the cross-section of a stem of this level and base radius in metres: by level
     /// about 12, 6, 4 and 3, more where a branch is thick.
     pub fn n_sides(&self, level: u8, radius: f32) -> u32 {
@@ -48,6 +66,13 @@ impl Detail {
     /// `n` rings for detail 1, at least `least`.
     pub(crate) fn n_rings(&self, n: f32, least: u32) -> u32 {
         ((n * self.rings.clamp(0.0, 16.0)).round() as u32).max(least)
+    }
+
+    /// Whether a stem of this level has a ring at the end of segment `i` of `n`.
+    fn has_ring(&self, level: u8, i: usize, n: usize) -> bool {
+        // How many of the first ends have one; rounded down, so that share 1 is all of them.
+        let rings = |ends: usize| (ends as f32 * self.ends.clamp(0.0, 1.0)) as u32;
+        level < 2 || i + 1 == n || rings(i) < rings(i + 1)
     }
 
     fn section(&self, level: u8, radius: f32, form: &TrunkForm) -> SectionKey {
@@ -106,8 +131,8 @@ struct Tubes<'a> {
     section: usize,
     sweep: Sweep,
     rings: Vec<Ring>,
-    /// For each segment of the current stem the number of the ring at its end.
-    ends: Vec<usize>,
+    /// For each segment of the current stem the number of the ring at its end, if there is one.
+    ends: Vec<Option<usize>>,
     /// Places `z` where the current stem needs rings besides the segment ends, ascending.
     between: Vec<f32>,
     /// A joint for each segment of the batch; empty where no stem is a clone.
@@ -200,8 +225,10 @@ impl<'a> Tubes<'a> {
 
     fn keep_joints(&mut self, stem: &Stem) {
         for (segment, ring) in stem.segment_range().zip(&self.ends) {
-            let start = self.sweep.start_at(*ring);
-            self.joints[segment] = start.map(|start| Joint { ring: self.rings[*ring], start });
+            self.joints[segment] = ring.and_then(|ring| {
+                let start = self.sweep.start_at(ring)?;
+                Some(Joint { ring: self.rings[ring], start })
+            });
         }
     }
 
@@ -232,8 +259,12 @@ impl<'a> Tubes<'a> {
                 }
                 bend_before = bend;
             }
+            if !self.detail.has_ring(stem.seed.level, i, segments.len()) {
+                self.ends.push(None);
+                continue;
+            }
             let radius = segment.radius_end * factor(segment.z_end);
-            self.ends.push(self.rings.len());
+            self.ends.push(Some(self.rings.len()));
             self.rings.push(Ring { center: segment.end(), radius });
         }
     }
@@ -402,12 +433,30 @@ mod tests {
         }
         assert!(n[0] < n[1] && n[1] < n[2], "{n:?}");
         assert!((20_000..40_000).contains(&n[1]), "{n:?}");
+        let draft: usize = checked(&aspen, &Detail::draft()).iter().map(Mesh::n_triangles).sum();
+        assert!(3 * draft < n[1], "{draft} {n:?}");
         // Splitting, winding branches with ball ends.
         for level in &mut aspen.level {
             (level.seg_splits, level.split_angle, level.taper) = (0.4, 30.0, 1.1);
         }
         (aspen.trunk.base_splits, aspen.level[2].curve_v) = (2, -30.0);
-        checked(&aspen, &Detail::default());
+        for detail in
+            [Detail::default(), Detail::draft(), Detail { ends: 0.4, ..Detail::default() }]
+        {
+            checked(&aspen, &detail);
+        }
+    }
+
+    #[test]
+    fn rings_are_left_out_evenly_from_level_2_on() {
+        let kept = |ends, level| {
+            let detail = Detail { ends, ..Detail::default() };
+            (0..6).filter(|i| detail.has_ring(level, *i, 6)).collect::<Vec<_>>()
+        };
+        assert_eq!(kept(1.0, 2), [0, 1, 2, 3, 4, 5]);
+        assert_eq!(kept(0.5, 2), [1, 3, 5]);
+        assert_eq!(kept(0.0, 3), [5]);
+        assert_eq!(kept(0.0, 1), [0, 1, 2, 3, 4, 5]);
     }
 
     #[test]

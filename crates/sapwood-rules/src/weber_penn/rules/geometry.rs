@@ -91,9 +91,12 @@ impl Rule for LeavesRule {
         }
         let crown = cx.read::<CrownSlot>();
         let params = cx.read::<LeavesSlot>();
+        let detail = cx.read::<DetailSlot>();
         let target = cx.read::<LeafTargetSlot>();
         let foliage = cx.read::<FoliageSlot>();
         let mesh = self.mesh(params.shape);
+        // A coarse leaf mesh would lose the shape; fewer, larger leaves keep it.
+        let params = params.thinned(detail.leaves);
         let n_triangles = mesh.n_triangles() as u64;
         let mut charge = |leaves: usize| {
             cx.reserve_parts(leaves as u64)?;
