@@ -13,7 +13,8 @@ Exit codes:
   1  the input is at fault: an unknown species, an error in a file
   2  the arguments are at fault
   3  the output could not be written; an existing file is left as it was
-  4  a budget ran out, such as the number of triangles; nothing was written";
+  4  a budget ran out, such as the number of triangles; nothing was written
+  130  interrupted, as by Ctrl-C; nothing was written";
 
 const SPECIES_FILES: &str = "\
 Species files are TOML, as `sapwood species show` prints them, or the XML of Arbaro.";
@@ -21,9 +22,10 @@ Species files are TOML, as `sapwood species show` prints them, or the XML of Arb
 const GROW_EXAMPLES: &str = "\
 Examples:
   sapwood grow quaking_aspen -o quaking_aspen.glb
-  sapwood grow black_tupelo --seed 7 -o tupelo.glb -o tupelo.svg
+  sapwood grow black_tupelo --seed 7 -o tupelo.gltf -o tupelo.obj -o tupelo.svg
   sapwood grow my_species.toml --at 12,0,-3.5 --detail skeleton -o lines.svg
-  sapwood grow weeping_willow --levels 2";
+  sapwood grow weeping_willow --detail draft --quality 0.5 -o willow.glb
+  sapwood grow weeping_willow --levels 2 --json";
 
 /// Grows scenes from descriptions.
 #[derive(Debug, Parser)]
@@ -64,16 +66,30 @@ pub(crate) struct GrowArguments {
         conflicts_with = "seed"
     )]
     pub(crate) at: Option<[f32; 3]>,
-    /// What to make of the stems
+    /// What to make of stems and leaves
     #[arg(long, value_enum, default_value_t = Detail::Full)]
     pub(crate) detail: Detail,
+    /// Grow this share of the leaves, above 0 and at most 1, each larger so that they cover as
+    /// much; multiplies the species' own quality, as in the paper; stems do not change, nor do
+    /// leaves in fans
+    #[arg(
+        long,
+        value_name = "Q",
+        default_value = "1",
+        value_parser = quality,
+        allow_negative_numbers = true
+    )]
+    pub(crate) quality: f32,
     /// Grow that many levels of stems only, 1 for the trunk alone; leaves grow on the last
     #[arg(long, value_name = "N", value_parser = levels, allow_negative_numbers = true)]
     pub(crate) levels: Option<u32>,
-    /// Write a file, whole or not at all: .glb for surfaces and leaves, .svg for the skeleton;
-    /// may be given several times
+    /// Write a file; may be given several times, and all files are written or none: .glb, .gltf
+    /// (with a .bin) and .obj (with a .mtl) for surfaces and leaves, .svg for the skeleton
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<Output>,
+    /// Tell what was grown as one JSON object instead of a table; the README has its keys
+    #[arg(long)]
+    pub(crate) json: bool,
     /// Stop before there are more triangles than this
     #[arg(
         long,
@@ -92,6 +108,8 @@ pub(crate) struct GrowArguments {
 pub(crate) enum Detail {
     /// Surfaces and leaves
     Full,
+    /// Fewer sides, rings and leaves, in about a third of the triangles or less
+    Draft,
     /// Lines with radii
     Skeleton,
 }
@@ -150,6 +168,11 @@ fn levels(text: &str) -> Result<u32, String> {
     text.parse().map_err(|_| "accepted: 1 up to the levels of the species".to_owned())
 }
 
+fn quality(text: &str) -> Result<f32, String> {
+    let quality = text.parse().ok().filter(|quality| *quality > 0.0 && *quality <= 1.0);
+    quality.ok_or_else(|| "accepted: above 0, up to 1".to_owned())
+}
+
 fn place(text: &str) -> Result<[f32; 3], String> {
     let numbers = text.split(',').map(|number| number.trim().parse::<f32>());
     let numbers: Vec<f32> = numbers.collect::<Result<_, _>>().unwrap_or_default();
@@ -178,6 +201,14 @@ mod tests {
         for wrong in ["", "1,2", "1,2,3,4", "1,2,x", "1,2,nan", "inf,0,0", "1e39,0,0", "1;2;3"] {
             let error = place(wrong).unwrap_err();
             assert!(error.starts_with("accepted: three finite numbers"), "{wrong}: {error}");
+        }
+    }
+
+    #[test]
+    fn qualities_are_shares() {
+        assert_eq!(quality("0.25"), Ok(0.25));
+        for wrong in ["0", "-0.5", "1.01", "nan", "inf", "x", ""] {
+            assert_eq!(quality(wrong), Err("accepted: above 0, up to 1".to_owned()), "{wrong}");
         }
     }
 

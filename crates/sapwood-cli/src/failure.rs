@@ -18,10 +18,18 @@ impl Failure {
     const USAGE: u8 = 2;
     const OUTPUT: u8 = 3;
     const BUDGET: u8 = 4;
+    /// What shells report of a program that an interrupt ended.
+    pub(crate) const INTERRUPTED: u8 = 130;
 
     /// Arguments that do not fit what they are meant for.
     pub(crate) fn usage(line: String) -> Self {
         Self { code: Self::USAGE, lines: vec![line] }
+    }
+
+    /// Somebody wanted the program to stop.
+    pub(crate) fn interrupted() -> Self {
+        let line = "interrupted; nothing was written".to_owned();
+        Self { code: Self::INTERRUPTED, lines: vec![line] }
     }
 
     /// Components that cannot be compiled, each with the links that lead to it.
@@ -50,6 +58,9 @@ impl Failure {
 
 impl From<sapwood::io::Error> for Failure {
     fn from(error: sapwood::io::Error) -> Self {
+        if matches!(error.kind(), sapwood::io::ErrorKind::Stopped) {
+            return Self::interrupted();
+        }
         let code = if error.is_write() { Self::OUTPUT } else { Self::INPUT };
         Self { code, lines: error.all().map(|error| error.line().to_string()).collect() }
     }
@@ -58,6 +69,9 @@ impl From<sapwood::io::Error> for Failure {
 /// A budget that ran out, mostly.
 impl From<ViewError> for Failure {
     fn from(error: ViewError) -> Self {
+        if error == ViewError::Interrupted(Interrupted::Cancelled) {
+            return Self::interrupted();
+        }
         let ViewError::Interrupted(Interrupted::Exhausted { what, limit, component }) = error
         else {
             return Self { code: Self::INPUT, lines: vec![error.to_string()] };

@@ -1,13 +1,17 @@
 //! `sapwood grow`: a scene with one tree, compiled, summed up and written to files.
 
+mod counting;
+mod json;
 mod output;
 mod summary;
+mod watch;
 
 use std::io::Write;
 use std::time::{Duration, Instant};
 
 use sapwood::graph::DrawList;
-use sapwood::rules::weber_penn::{Seed, Species, Tree};
+use sapwood::io::FileSet;
+use sapwood::rules::weber_penn::{self, DetailSlot, Seed, Species, Tree};
 use sapwood::scene::{Action, Attribute, Budget, Handle, RuleSet, Scene, Transform, ViewId};
 use tracing::{Level, debug, info};
 
@@ -17,6 +21,7 @@ use crate::failure::Failure;
 use output::Format;
 pub(crate) use output::Output;
 use summary::{Census, Phase, Summary};
+pub(crate) use watch::Watch;
 
 /// Edge length in metres of the cells that make a position a seed.
 const CELL: f32 = 0.1;
@@ -24,61 +29,103 @@ const CELL: f32 = 0.1;
 const MAX_DIAGNOSTICS: usize = 10;
 
 /// Grows a tree; what is at fault is found in this order: arguments, species, compiling, files.
-pub(crate) fn run(arguments: &GrowArguments, out: &mut dyn Write) -> Result<(), Failure> {
+pub(crate) fn run(
+    arguments: &GrowArguments,
+    watch: &Watch,
+    out: &mut dyn Write,
+) -> Result<(), Failure> {
+    let outcome = grown(arguments, watch);
+    watch.done();
+    let summary = outcome?;
+    if arguments.json {
+        writeln!(out, "{}", json::json(&summary, arguments))?;
+    } else {
+        write!(out, "{summary}")?;
+    }
+    Ok(())
+}
+
+fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
     check_outputs(arguments)?;
     let mut steps = Steps::default();
     let species = steps.time("read", || sapwood::io::find_species(&arguments.species))?;
-    let species = limited(species, arguments.levels)?;
+    let species = thinned(limited(species, arguments.levels)?, arguments.quality);
 
     let mut scene = Scene::new();
     scene.set_logging(tracing::enabled!(Level::DEBUG));
     let root = planted(&mut scene, &species, arguments)?;
     let rules = match arguments.detail {
-        Detail::Full => sapwood::standard_rules(),
+        Detail::Full | Detail::Draft => sapwood::standard_rules(),
         Detail::Skeleton => sapwood::skeleton_rules(),
     };
-    let (view, bounds) = steps.time("compile", || compiled(&mut scene, root, &rules, arguments))?;
+    let (view, bounds) =
+        steps.time("compile", || compiled(&mut scene, root, &rules, arguments, watch))?;
     let census = Census::of(&mut scene, view, species.levels)?;
+    let components = scene.count(view)?.components;
     let list = steps.time("draw list", || scene.draw_list(view, usize::MAX))?;
-    let surfaces = (arguments.detail == Detail::Full).then(|| list.n_vertices_and_triangles());
+    let has_surfaces = arguments.detail != Detail::Skeleton;
+    let surfaces = has_surfaces.then(|| list.n_vertices_and_triangles());
 
     // Everything is compiled before the first file is written.
     let wants_svg = arguments.output.iter().any(|output| output.format() == Format::Svg);
-    let lines: Option<DrawList> = match arguments.detail {
-        Detail::Full if wants_svg => {
-            let rules = sapwood::skeleton_rules();
-            Some(steps.time("compile skeleton", || {
-                let (view, _) = compiled(&mut scene, root, &rules, arguments)?;
-                Ok::<_, Failure>(scene.draw_list(view, usize::MAX)?)
-            })?)
-        }
-        _ => None,
-    };
-    for output in &arguments.output {
-        let list = match output.format() {
-            Format::Glb => &list,
-            Format::Svg => lines.as_ref().unwrap_or(&list),
-        };
-        steps.write(output, list)?;
+    let mut lines = None;
+    if has_surfaces && wants_svg {
+        let rules = sapwood::skeleton_rules();
+        lines = Some(steps.time("compile skeleton", || {
+            let (view, _) = compiled(&mut scene, root, &rules, arguments, watch)?;
+            Ok::<_, Failure>(scene.draw_list(view, usize::MAX)?)
+        })?);
     }
+    write_outputs(arguments, &list, lines.as_ref().unwrap_or(&list), watch, &mut steps)?;
 
+    let species = if species.name.is_empty() { arguments.species.clone() } else { species.name };
     let title = title(&species, arguments);
-    let bounds = bounds.aabb;
-    write!(out, "{}", Summary { title, census, surfaces, bounds, phases: steps.0 })?;
-    Ok(())
+    let (bounds, phases) = (bounds.aabb, steps.0);
+    Ok(Summary { species, title, census, components, surfaces, bounds, phases })
 }
 
-/// Refuses files that hold what the detail does not make.
-fn check_outputs(arguments: &GrowArguments) -> Result<(), Failure> {
-    let is_glb = |output: &&Output| output.format() == Format::Glb;
-    match (arguments.detail, arguments.output.iter().find(is_glb)) {
-        (Detail::Skeleton, Some(output)) => Err(Failure::usage(format!(
-            "{}: a .glb holds surfaces, and --detail skeleton makes none; accepted: .svg, or \
-             --detail full",
-            output.path().display()
-        ))),
-        _ => Ok(()),
+/// Writes all files, or none where one of them fails.
+fn write_outputs(
+    arguments: &GrowArguments,
+    list: &DrawList,
+    lines: &DrawList,
+    watch: &Watch,
+    steps: &mut Steps,
+) -> Result<(), Failure> {
+    let follower = watch.clone();
+    let mut files = FileSet::watched(move |path, bytes| follower.written(path, bytes));
+    for output in &arguments.output {
+        watch.check()?;
+        let list = if output.format() == Format::Svg { lines } else { list };
+        let start = Instant::now();
+        let bytes = output.write(&mut files, list)?;
+        steps.note(output.path().display().to_string(), start.elapsed(), Some(bytes));
     }
+    watch.check()?;
+    Ok(files.commit()?)
+}
+
+/// Refuses files that hold what the detail does not make, and files that are written twice.
+fn check_outputs(arguments: &GrowArguments) -> Result<(), Failure> {
+    let mut outputs = arguments.output.iter();
+    if arguments.detail == Detail::Skeleton
+        && let Some(output) = outputs.find(|output| output.needs_surfaces())
+    {
+        return Err(Failure::usage(format!(
+            "{}: glTF files hold surfaces, and --detail skeleton makes none; accepted: .obj, \
+             .svg, or --detail full",
+            output.path().display()
+        )));
+    }
+    if let Some((first, second, file)) = output::clash(&arguments.output) {
+        return Err(Failure::usage(format!(
+            "{} and {} would both be written to {}; nothing was written",
+            first.path().display(),
+            second.path().display(),
+            file.display()
+        )));
+    }
+    Ok(())
 }
 
 /// The species with no more than `levels` levels of stems.
@@ -93,6 +140,14 @@ fn limited(mut species: Species, levels: Option<u32>) -> Result<Species, Failure
         species.levels = levels;
     }
     Ok(species)
+}
+
+/// The species with a share of its leaves, which are larger. Fans are few and stay.
+fn thinned(mut species: Species, quality: f32) -> Species {
+    if species.leaves.count >= 0 {
+        species.leaves.quality *= quality;
+    }
+    species
 }
 
 /// Places the species and a tree of it in the scene.
@@ -121,10 +176,17 @@ fn compiled(
     root: Handle<Attribute>,
     rules: &RuleSet,
     arguments: &GrowArguments,
+    watch: &Watch,
 ) -> Result<(ViewId, sapwood::geom::Bound), Failure> {
     let view = scene.open_view(root, rules)?;
     let triangles = arguments.max_triangles;
     scene.set_budget(view, Budget { triangles, ..Budget::default() })?;
+    if arguments.detail == Detail::Draft {
+        scene.set_held::<DetailSlot>(view, weber_penn::Detail::draft())?;
+    }
+    watch.follow(scene.cancel_token(view)?);
+    // Should this end early, the scene tells why.
+    let _ = counting::compile_watched(scene.supply(view)?, watch);
     let bounds = scene.bounds(view)?;
     tell_log(scene);
     let found = scene.diagnostics(view, MAX_DIAGNOSTICS)?;
@@ -145,15 +207,19 @@ fn tell_log(scene: &mut Scene) {
     }
 }
 
-fn title(species: &Species, arguments: &GrowArguments) -> String {
+fn title(name: &str, arguments: &GrowArguments) -> String {
     let detail = match arguments.detail {
         Detail::Full => "",
+        Detail::Draft => ", draft",
         Detail::Skeleton => ", skeleton",
     };
-    let name = if species.name.is_empty() { &arguments.species } else { &species.name };
+    let quality = match arguments.quality {
+        1.0 => String::new(),
+        quality => format!(", quality {quality}"),
+    };
     match arguments.at {
-        Some([x, y, z]) => format!("{name} at {x}, {y}, {z}{detail}"),
-        None => format!("{name}, seed {}{detail}", arguments.seed.unwrap_or(0)),
+        Some([x, y, z]) => format!("{name} at {x}, {y}, {z}{detail}{quality}"),
+        None => format!("{name}, seed {}{detail}{quality}", arguments.seed.unwrap_or(0)),
     }
 }
 
@@ -167,13 +233,6 @@ impl Steps {
         let result = step();
         self.note(name.to_owned(), start.elapsed(), None);
         result
-    }
-
-    fn write(&mut self, output: &Output, list: &DrawList) -> Result<(), Failure> {
-        let start = Instant::now();
-        let bytes = output.write(list)?;
-        self.note(output.path().display().to_string(), start.elapsed(), Some(bytes));
-        Ok(())
     }
 
     fn note(&mut self, name: String, time: Duration, bytes: Option<u64>) {
@@ -200,7 +259,8 @@ mod tests {
 
     fn grown(line: &str) -> Result<String, String> {
         let mut out = Vec::new();
-        run(&parsed(line), &mut out).map_err(|failure| format!("{failure:?}"))?;
+        run(&parsed(line), &Watch::default(), &mut out)
+            .map_err(|failure| format!("{failure:?}"))?;
         Ok(String::from_utf8(out).unwrap())
     }
 
@@ -258,7 +318,10 @@ mod tests {
     #[test]
     fn surfaces_need_full_detail() {
         let error = grown("quaking_aspen --detail skeleton -o a.svg -o no/b.glb").unwrap_err();
-        assert!(error.contains("code: 2") && error.contains("no/b.glb: a .glb holds"), "{error}");
+        assert!(
+            error.contains("code: 2") && error.contains("no/b.glb: glTF files hold"),
+            "{error}"
+        );
     }
 
     #[test]
@@ -279,7 +342,8 @@ mod tests {
         let species = sapwood::io::find_species("quaking_aspen").unwrap();
         let mut scene = Scene::new();
         let root = planted(&mut scene, &species, &arguments).unwrap();
-        compiled(&mut scene, root, &sapwood::standard_rules(), &arguments).unwrap();
+        let rules = sapwood::standard_rules();
+        compiled(&mut scene, root, &rules, &arguments, &Watch::default()).unwrap();
         scene.set_logging(true);
         let view = scene.open_view(root, &sapwood::skeleton_rules()).unwrap();
         scene.bounds(view).unwrap();
@@ -297,7 +361,8 @@ mod tests {
         let nowhere = Transform(Affine3::from_translation(Vec3::NAN));
         scene.add_to(root, nowhere).unwrap();
         let rules = sapwood::standard_rules();
-        let failure = compiled(&mut scene, root, &rules, &parsed("wheat")).unwrap_err();
+        let (wheat, watch) = (parsed("wheat"), Watch::default());
+        let failure = compiled(&mut scene, root, &rules, &wheat, &watch).unwrap_err();
         let shown = format!("{failure:?}");
         assert!(shown.contains("code: 1"), "{shown}");
         assert!(shown.contains("transform: the transform is not finite"), "{shown}");

@@ -15,12 +15,15 @@ use clap::Parser as _;
 
 use arguments::{Arguments, Command};
 use failure::Failure;
+use grow::Watch;
 
 fn main() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => return Failure::from(error).report(),
     };
+    // Progress and what is told by --verbose would overwrite each other.
+    let shows_progress = arguments.verbose == 0 && io::stderr().is_terminal();
     tracing_subscriber::fmt()
         .with_max_level(arguments.level())
         .with_writer(io::stderr)
@@ -28,16 +31,22 @@ fn main() -> ExitCode {
         .without_time()
         .init();
     let mut out = io::BufWriter::new(io::stdout().lock());
-    let done = run(arguments.command, &mut out);
+    let watch = || Watch::of_process(shows_progress);
+    let done = run(arguments.command, watch, &mut out);
     match done.and_then(|()| out.flush().map_err(Failure::from)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),
     }
 }
 
-fn run(command: Command, out: &mut dyn Write) -> Result<(), Failure> {
+/// Runs a command; one that takes long is given a `watch`.
+fn run(
+    command: Command,
+    watch: impl FnOnce() -> Watch,
+    out: &mut dyn Write,
+) -> Result<(), Failure> {
     match command {
-        Command::Grow(command) => grow::run(&command, out),
+        Command::Grow(command) => grow::run(&command, &watch(), out),
         Command::Species(command) => species::run(command, out),
     }
 }

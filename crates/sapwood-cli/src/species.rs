@@ -49,11 +49,12 @@ mod tests {
 
     use super::*;
     use crate::arguments::Arguments;
+    use crate::grow::Watch;
 
     fn sapwood(arguments: &[&str]) -> Result<String, Failure> {
         let arguments = Arguments::try_parse_from([&["sapwood"], arguments].concat()).unwrap();
         let mut out = Vec::new();
-        crate::run(arguments.command, &mut out)?;
+        crate::run(arguments.command, Watch::default, &mut out)?;
         Ok(String::from_utf8(out).unwrap())
     }
 

@@ -98,11 +98,11 @@ fn wrong_arguments_exit_with_2_and_write_nothing() {
         let said = fails(folder.path(), &format!("grow quaking_aspen {arguments}"), 2);
         assert!(said.contains(expected), "{arguments}: {said}");
     };
-    check("-o tree.obj", "accepted: names that end in .glb or .svg");
-    check("-o tree", "accepted: names that end in .glb or .svg");
+    check("-o tree.ply", "accepted: names that end in .glb, .gltf, .obj or .svg");
+    check("-o tree", "accepted: names that end in .glb, .gltf, .obj or .svg");
     check("-o", "a value is required");
-    check("--detail skeleton -o tree.glb", "a .glb holds surfaces");
-    check("--detail fine", "[possible values: full, skeleton]");
+    check("--detail skeleton -o tree.glb", "glTF files hold surfaces");
+    check("--detail fine", "[possible values: full, draft, skeleton]");
     check("--levels 0 -o tree.glb", "(accepted: 1 to 3)");
     check("--levels 4 -o tree.glb", "(accepted: 1 to 3)");
     check("--levels -1", "accepted: 1 up to the levels of the species");

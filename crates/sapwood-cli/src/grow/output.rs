@@ -4,6 +4,9 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use sapwood::graph::DrawList;
+use sapwood::io::FileSet;
+
+const ACCEPTED: &str = "accepted: names that end in .glb, .gltf, .obj or .svg";
 
 /// A file to be written.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -17,6 +20,10 @@ pub(crate) struct Output {
 pub(crate) enum Format {
     /// Surfaces and leaves as binary glTF.
     Glb,
+    /// Surfaces and leaves as glTF text, with a `.bin` file.
+    Gltf,
+    /// Surfaces and leaves, or the skeleton's lines, with a `.mtl` file.
+    Obj,
     /// The skeleton as a drawing.
     Svg,
 }
@@ -30,14 +37,67 @@ impl Output {
         &self.path
     }
 
-    /// Writes the file, whole or not at all, and tells its size in bytes.
-    pub(crate) fn write(&self, list: &DrawList) -> Result<u64, sapwood::io::Error> {
+    /// Whether the format has nothing but surfaces.
+    pub(crate) fn needs_surfaces(&self) -> bool {
         match self.format {
-            Format::Glb => sapwood::io::write_glb(&self.path, list)?,
-            Format::Svg => sapwood::io::write_svg(&self.path, list)?,
+            Format::Glb | Format::Gltf => true,
+            Format::Obj | Format::Svg => false,
         }
-        // A device has no size.
-        Ok(std::fs::metadata(&self.path).map_or(0, |file| file.len()))
+    }
+
+    /// Adds the file, and those that belong to it, to `files`; tells their size in bytes.
+    pub(crate) fn write(
+        &self,
+        files: &mut FileSet,
+        list: &DrawList,
+    ) -> Result<u64, sapwood::io::Error> {
+        let n_before = files.written().count();
+        match self.format {
+            Format::Glb => files.add_glb(&self.path, list)?,
+            Format::Gltf => files.add_gltf(&self.path, list)?,
+            Format::Obj => files.add_obj(&self.path, list)?,
+            Format::Svg => files.add_svg(&self.path, list)?,
+        }
+        Ok(files.written().skip(n_before).map(|(_, bytes)| bytes).sum())
+    }
+
+    /// The files that will be written for certain, the output itself first.
+    fn claims(&self) -> Vec<PathBuf> {
+        let beside = match self.format {
+            Format::Glb | Format::Svg => None,
+            Format::Gltf => Some(sapwood::io::gltf_buffer_path(&self.path)),
+            Format::Obj => Some(sapwood::io::obj_material_path(&self.path)),
+        };
+        [self.path.clone()].into_iter().chain(beside).map(|path| resolved(&path)).collect()
+    }
+}
+
+/// The first two outputs that would write to the same file, and that file.
+pub(crate) fn clash(outputs: &[Output]) -> Option<(&Output, &Output, PathBuf)> {
+    let mut claimed: Vec<(PathBuf, &Output)> = Vec::new();
+    for output in outputs {
+        for path in output.claims() {
+            if let Some((path, first)) = claimed.iter().find(|(known, _)| *known == path) {
+                return Some((first, output, path.clone()));
+            }
+            claimed.push((path, output));
+        }
+    }
+    None
+}
+
+/// One path for each file, as far as the folders are there.
+fn resolved(path: &Path) -> PathBuf {
+    if let Ok(path) = path.canonicalize() {
+        return path;
+    }
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    match (folder.canonicalize(), path.file_name()) {
+        (Ok(folder), Some(name)) => folder.join(name),
+        _ => path.to_owned(),
     }
 }
 
@@ -49,8 +109,10 @@ impl FromStr for Output {
         let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
         let format = match ending.as_ref().and_then(|ending| ending.to_str()) {
             Some("glb") => Format::Glb,
+            Some("gltf") => Format::Gltf,
+            Some("obj") => Format::Obj,
             Some("svg") => Format::Svg,
-            _ => return Err("accepted: names that end in .glb or .svg".to_owned()),
+            _ => return Err(ACCEPTED.to_owned()),
         };
         Ok(Self { path, format })
     }
@@ -66,9 +128,27 @@ mod tests {
         assert_eq!(format("a/b.glb"), Ok(Format::Glb));
         assert_eq!(format("TREE.GLB"), Ok(Format::Glb));
         assert_eq!(format("tree.v2.svg"), Ok(Format::Svg));
-        for wrong in ["", "tree", "tree.obj", ".glb", "glb", "tree.glb/", "/dev/null"] {
+        assert_eq!(format("tree.obj"), Ok(Format::Obj));
+        assert_eq!(format("tree.gltf"), Ok(Format::Gltf));
+        for wrong in ["", "tree", "tree.ply", ".glb", "glb", "tree.glb/", "/dev/null"] {
             let accepted = wrong == "tree.glb/";
             assert_eq!(format(wrong).is_ok(), accepted, "{wrong}");
         }
+    }
+
+    #[test]
+    fn outputs_clash_by_all_their_files() {
+        let check = |paths: [&str; 2], expected: Option<&str>| {
+            let outputs = paths.map(|path| path.parse().unwrap());
+            let clash = clash(&outputs).map(|(_, _, path)| path);
+            let name = clash.as_ref().and_then(|path| path.file_name()?.to_str());
+            assert_eq!(name, expected, "{paths:?}");
+        };
+        check(["a.glb", "./a.glb"], Some("a.glb"));
+        check(["a.glb", "no-such-folder/a.glb"], None);
+        check(["a.gltf", "a.GLTF"], Some("a.bin"));
+        check(["a.obj", "src/../a.obj"], Some("a.obj"));
+        check(["a b.obj", "a_b.obj"], Some("a_b.mtl"));
+        check(["a.glb", "a.obj"], None);
     }
 }

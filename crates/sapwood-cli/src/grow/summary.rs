@@ -4,7 +4,7 @@ use std::fmt;
 use std::time::Duration;
 
 use sapwood::geom::Aabb;
-use sapwood::graph::{Everything, Handlers, Order};
+use sapwood::graph::{Everything, Handlers, Kind, Order};
 use sapwood::rules::weber_penn::{Leaf, Segment, Stem};
 use sapwood::scene::{Scene, ViewError, ViewId};
 
@@ -50,8 +50,11 @@ pub(crate) struct Phase {
 /// Everything that the table tells; its `Display` is the table.
 #[derive(Clone, Debug)]
 pub(crate) struct Summary {
+    pub(crate) species: String,
     pub(crate) title: String,
     pub(crate) census: Census,
+    /// Compiled components by kind; not in the table.
+    pub(crate) components: Vec<(Kind, u64)>,
     /// Vertices and triangles; nothing where no surfaces were asked for.
     pub(crate) surfaces: Option<(u64, u64)>,
     pub(crate) bounds: Aabb,
@@ -154,8 +157,10 @@ mod tests {
             bytes,
         };
         Summary {
+            species: "Quaking Aspen".to_owned(),
             title: "Quaking Aspen, seed 0".to_owned(),
             census: Census { stems: vec![1, 50, 1200], segments: 3600, leaves: 22_500 },
+            components: Vec::new(),
             surfaces: Some((1_234_567, 89)),
             bounds: Aabb { min: Vec3::new(-1.5, -0.001, 0.0), max: Vec3::new(2.0, 13.25, 1.0) },
             phases: vec![

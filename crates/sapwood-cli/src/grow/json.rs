@@ -1,0 +1,81 @@
+//! What was grown, as one JSON object. The keys are a promise to scripts: they stay.
+
+use std::collections::BTreeMap;
+
+use sapwood::geom::Aabb;
+use serde::Serialize;
+
+use super::summary::{Phase, Summary};
+use crate::arguments::{Detail, GrowArguments};
+
+/// The object; the README tells what its keys mean.
+#[derive(Debug, Serialize)]
+struct Document<'a> {
+    species: &'a str,
+    seed: Option<u64>,
+    at: Option<[f32; 3]>,
+    detail: &'static str,
+    quality: f32,
+    components: BTreeMap<&'static str, u64>,
+    stems: &'a [u64],
+    segments: u64,
+    leaves: Option<u64>,
+    vertices: Option<u64>,
+    triangles: Option<u64>,
+    bounds: Option<Bounds>,
+    seconds: BTreeMap<&'a str, f64>,
+    outputs: Vec<Written<'a>>,
+}
+
+#[derive(Debug, Serialize)]
+struct Bounds {
+    min: [f32; 3],
+    max: [f32; 3],
+}
+
+#[derive(Debug, Serialize)]
+struct Written<'a> {
+    path: &'a str,
+    bytes: u64,
+    seconds: f64,
+}
+
+/// The object, on one line.
+pub(super) fn json(summary: &Summary, arguments: &GrowArguments) -> String {
+    let Summary { species, census, surfaces, bounds, phases, components, .. } = summary;
+    let seed = arguments.seed.unwrap_or(0);
+    let seconds = |phase: &Phase| phase.time.as_secs_f64();
+    let (outputs, steps): (Vec<_>, Vec<_>) = phases.iter().partition(|phase| phase.bytes.is_some());
+    let document = Document {
+        species,
+        seed: arguments.at.is_none().then_some(seed),
+        at: arguments.at,
+        detail: match arguments.detail {
+            Detail::Full => "full",
+            Detail::Draft => "draft",
+            Detail::Skeleton => "skeleton",
+        },
+        quality: arguments.quality,
+        components: components.iter().map(|(kind, n)| (kind.name(), *n)).collect(),
+        stems: &census.stems,
+        segments: census.segments,
+        leaves: surfaces.map(|_| census.leaves),
+        vertices: surfaces.map(|(vertices, _)| vertices),
+        triangles: surfaces.map(|(_, triangles)| triangles),
+        bounds: (!bounds.is_empty()).then(|| bounds_of(bounds)),
+        seconds: steps.iter().map(|phase| (phase.name.as_str(), seconds(phase))).collect(),
+        outputs: outputs
+            .iter()
+            .map(|phase| Written {
+                path: &phase.name,
+                bytes: phase.bytes.unwrap_or(0),
+                seconds: seconds(phase),
+            })
+            .collect(),
+    };
+    serde_json::to_string(&document).expect("texts and finite numbers are JSON")
+}
+
+fn bounds_of(bounds: &Aabb) -> Bounds {
+    Bounds { min: bounds.min.to_array(), max: bounds.max.to_array() }
+}

@@ -1,0 +1,145 @@
+//! Whoever watches a run: shows on a terminal how far it is, and passes on the wish to stop.
+
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use sapwood::scene::CancelToken;
+
+use crate::failure::Failure;
+
+/// Runs shorter than this show nothing.
+const PATIENCE: Duration = Duration::from_millis(200);
+/// Time between two pictures of the progress.
+const TICK: Duration = Duration::from_millis(100);
+
+/// Follows a run; clones follow the same one. By default nothing is shown and nobody stops it.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Watch {
+    progress: Option<Progress>,
+    wish: Wish,
+}
+
+impl Watch {
+    /// Follows the run of this process: an interrupt ends it as soon as it can, a second one at
+    /// once. Progress is shown on standard error if that is wanted.
+    pub(crate) fn of_process(shows_progress: bool) -> Self {
+        let wish = Wish::default();
+        let told = wish.clone();
+        let handler = move || {
+            if told.is_uttered() {
+                std::process::exit(i32::from(Failure::INTERRUPTED));
+            }
+            told.utter();
+        };
+        // Where signals cannot be caught they end the process, as they always did.
+        if let Err(error) = ctrlc::set_handler(handler) {
+            tracing::debug!(%error, "interrupts are not caught");
+        }
+        Self { progress: shows_progress.then(Progress::new), wish }
+    }
+
+    /// From now on the wish to stop is passed to this token.
+    pub(crate) fn follow(&self, token: CancelToken) {
+        self.wish.follow(token);
+    }
+
+    /// Fails once somebody wants the run to stop.
+    pub(crate) fn check(&self) -> Result<(), Failure> {
+        if self.wish.is_uttered() { Err(Failure::interrupted()) } else { Ok(()) }
+    }
+
+    /// Tells that so many components have been compiled.
+    pub(crate) fn compiled(&self, n_components: u64) {
+        if let Some(progress) = &self.progress {
+            progress.show(format!("growing: {n_components} components"));
+        }
+    }
+
+    /// Tells how much of a file is written, and whether to go on.
+    pub(crate) fn written(&self, path: &Path, bytes: u64) -> ControlFlow<()> {
+        if let Some(progress) = &self.progress {
+            progress.show(format!("writing {}: {} MB", path.display(), bytes / 1_000_000));
+        }
+        if self.wish.is_uttered() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    /// Takes away what is shown.
+    pub(crate) fn done(&self) {
+        if let Some(progress) = &self.progress {
+            progress.bar.finish_and_clear();
+        }
+    }
+}
+
+/// One line on standard error that changes.
+#[derive(Clone, Debug)]
+struct Progress {
+    bar: ProgressBar,
+    start: Instant,
+}
+
+impl Progress {
+    fn new() -> Self {
+        let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
+        bar.set_style(ProgressStyle::default_spinner());
+        Self { bar, start: Instant::now() }
+    }
+
+    fn show(&self, message: String) {
+        if self.start.elapsed() < PATIENCE {
+            return;
+        }
+        if self.bar.is_hidden() {
+            self.bar.set_draw_target(ProgressDrawTarget::stderr());
+            self.bar.enable_steady_tick(TICK);
+        }
+        self.bar.set_message(message);
+    }
+}
+
+/// The wish to stop, and whom to tell of it.
+#[derive(Clone, Debug, Default)]
+struct Wish {
+    uttered: CancelToken,
+    followed: Arc<Mutex<CancelToken>>,
+}
+
+impl Wish {
+    fn utter(&self) {
+        self.uttered.cancel();
+        self.followed.lock().unwrap_or_else(|broken| broken.into_inner()).cancel();
+    }
+
+    fn is_uttered(&self) -> bool {
+        self.uttered.is_cancelled()
+    }
+
+    fn follow(&self, token: CancelToken) {
+        let mut followed = self.followed.lock().unwrap_or_else(|broken| broken.into_inner());
+        *followed = token;
+        // The wish may have been uttered while nobody was told.
+        if self.is_uttered() {
+            followed.cancel();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_wish_reaches_whoever_is_followed_before_or_after() {
+        let watch = Watch::default();
+        let (first, second) = (CancelToken::default(), CancelToken::default());
+        watch.follow(first.clone());
+        assert!(watch.check().is_ok() && watch.written(Path::new("a"), 0).is_continue());
+        watch.wish.utter();
+        watch.follow(second.clone());
+        assert!(first.is_cancelled() && second.is_cancelled());
+        assert!(watch.check().is_err() && watch.clone().written(Path::new("a"), 0).is_break());
+    }
+}

@@ -1,0 +1,250 @@
+//! Output files: which there are, that they come together or not at all, and what is told of them.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn sapwood(folder: &Path, line: &str) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_sapwood"))
+        .args(line.split_whitespace())
+        .current_dir(folder)
+        .output()
+        .expect("the program runs")
+}
+
+fn text(bytes: &[u8]) -> &str {
+    std::str::from_utf8(bytes).expect("the program writes UTF-8")
+}
+
+/// The program succeeds and says nothing on standard error; gives its output.
+fn says(folder: &Path, line: &str) -> String {
+    let output = sapwood(folder, line);
+    assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), ""), "{line}");
+    text(&output.stdout).to_owned()
+}
+
+/// The program fails with this code and writes no file; gives what it says.
+fn fails(folder: &Path, line: &str, code: i32) -> String {
+    let before = files(folder);
+    let output = sapwood(folder, line);
+    assert_eq!((output.status.code(), text(&output.stdout)), (Some(code), ""), "{line}");
+    assert_eq!(files(folder), before, "{line}");
+    text(&output.stderr).to_owned()
+}
+
+fn files(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).expect("the folder is there");
+    let name = |entry: std::io::Result<fs::DirEntry>| {
+        entry.expect("the folder can be read").file_name().to_string_lossy().into_owned()
+    };
+    let mut names: Vec<_> = entries.map(name).collect();
+    names.sort();
+    names
+}
+
+fn json(text: &str) -> serde_json::Value {
+    assert_eq!(text.lines().count(), 1, "{text}");
+    serde_json::from_str(text).unwrap()
+}
+
+#[test]
+fn every_format_is_written_from_one_tree() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let table = says(at, "grow quaking_aspen -o t.glb -o t.gltf -o t.obj -o t.svg");
+    assert_eq!(files(at), ["t.bin", "t.glb", "t.gltf", "t.mtl", "t.obj", "t.svg"]);
+    let steps = |name: &str| table.lines().filter(|line| line.starts_with(name)).count();
+    // One compilation for each rule set, however many files.
+    assert_eq!((steps("compile  "), steps("compile skeleton")), (1, 1), "{table}");
+    for name in ["t.glb", "t.gltf", "t.obj", "t.svg"] {
+        assert_eq!(steps(name), 1, "{table}");
+    }
+
+    // Both forms of glTF hold the same bytes of geometry, and the text refers to its file.
+    let (glb, bin) = (fs::read(at.join("t.glb")).unwrap(), fs::read(at.join("t.bin")).unwrap());
+    assert!(glb.ends_with(&bin) && bin.len() > 1_000_000);
+    let gltf: serde_json::Value =
+        serde_json::from_slice(&fs::read(at.join("t.gltf")).unwrap()).unwrap();
+    assert_eq!(gltf["buffers"][0]["uri"], "t.bin");
+    assert_eq!(gltf["buffers"][0]["byteLength"], bin.len());
+
+    let obj = fs::read_to_string(at.join("t.obj")).unwrap();
+    assert!(obj.contains("\nmtllib t.mtl\no tree\nusemtl bark\nv "), "{}", &obj[..200]);
+    let n_faces = obj.lines().filter(|line| line.starts_with("f ")).count();
+    let told = json(&says(at, "grow quaking_aspen --json"));
+    assert_eq!(told["triangles"], n_faces);
+}
+
+#[test]
+fn a_skeleton_may_be_written_as_lines() {
+    let folder = tempfile::tempdir().unwrap();
+    says(folder.path(), "grow quaking_aspen --levels 2 --detail skeleton -o a.obj -o a.svg");
+    assert_eq!(files(folder.path()), ["a.obj", "a.svg"]);
+    let obj = fs::read_to_string(folder.path().join("a.obj")).unwrap();
+    assert_eq!(obj.lines().filter(|line| line.starts_with("l ")).count(), 51);
+    let said = fails(folder.path(), "grow quaking_aspen --detail skeleton -o a.gltf", 2);
+    assert!(said.contains("a.gltf: glTF files hold surfaces"), "{said}");
+}
+
+#[test]
+fn where_one_output_is_bad_none_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let check = |outputs: &str, code, expected: &str| {
+        let said = fails(at, &format!("grow quaking_aspen --levels 2 {outputs}"), code);
+        assert!(said.contains(expected), "{outputs}: {said}");
+    };
+    check("-o a.glb -o a.ply", 2, "accepted: names that end in .glb, .gltf, .obj or .svg");
+    check("-o a.glb -o no/a.obj", 3, "no/a.mtl: cannot be written: there is no folder");
+    check("-o a.glb -o a.obj -o ./a.glb", 2, "a.glb and ./a.glb would both be written to");
+    check("-o a.gltf -o a.GLTF", 2, "a.bin; nothing was written");
+    fs::create_dir(at.join("folder.svg")).unwrap();
+    check("-o a.gltf -o a.obj -o folder.svg", 3, "folder.svg: cannot be written");
+    // The first of a pair is written before the second turns out to be a folder.
+    fs::create_dir(at.join("b.bin")).unwrap();
+    check("-o a.glb -o b.gltf", 3, "b.bin: cannot be written");
+    fs::create_dir(at.join("c.obj")).unwrap();
+    check("-o a.glb -o c.obj", 3, "c.obj: cannot be written");
+}
+
+/// A limit on the size of files stands for a full disk; it holds for the superuser too.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_changes_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    for name in ["t.svg", "t.gltf", "t.bin", "t.obj", "t.mtl"] {
+        fs::write(at.join(name), "old").unwrap();
+    }
+    let line = format!(
+        "trap '' XFSZ; ulimit -f 512; exec '{}' grow quaking_aspen -o t.svg -o t.gltf -o t.obj",
+        env!("CARGO_BIN_EXE_sapwood")
+    );
+    let output = Command::new("sh").args(["-c", &line]).current_dir(at).output().unwrap();
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{said}");
+    assert!(said.starts_with("sapwood: t.bin: cannot be written: "), "{said}");
+    assert_eq!(files(at), ["t.bin", "t.gltf", "t.mtl", "t.obj", "t.svg"]);
+    for name in files(at) {
+        assert_eq!(fs::read(at.join(name)).unwrap(), b"old");
+    }
+}
+
+#[test]
+fn a_draft_takes_a_third_of_the_triangles_and_keeps_the_stems() {
+    let folder = tempfile::tempdir().unwrap();
+    for species in ["quaking_aspen", "black_tupelo", "weeping_willow", "palm", "balsam_fir"] {
+        let full = json(&says(folder.path(), &format!("grow {species} --json")));
+        let draft = json(&says(folder.path(), &format!("grow {species} --json --detail draft")));
+        assert_eq!((&full["stems"], &full["segments"]), (&draft["stems"], &draft["segments"]));
+        let triangles = |told: &serde_json::Value| told["triangles"].as_u64().unwrap();
+        let (full, draft) = (triangles(&full), triangles(&draft));
+        assert!(3 * draft <= full, "{species}: {draft} of {full}");
+    }
+}
+
+#[test]
+fn quality_trades_number_for_size_of_leaves() {
+    let folder = tempfile::tempdir().unwrap();
+    let leaves = |options: &str| {
+        let told = json(&says(folder.path(), &format!("grow quaking_aspen --json {options}")));
+        (told["leaves"].as_f64().unwrap(), told["stems"].clone(), told["quality"].clone())
+    };
+    let (all, half) = (leaves("--quality 1"), leaves("--quality 0.5"));
+    assert!((half.0 / all.0 - 0.5).abs() < 0.02, "{half:?} {all:?}");
+    assert_eq!((half.1, half.2), (all.1, serde_json::json!(0.5)));
+    for wrong in ["0", "1.5", "-1", "nan", "much"] {
+        let said = fails(folder.path(), &format!("grow quaking_aspen --quality {wrong}"), 2);
+        assert!(said.contains("accepted: above 0, up to 1"), "{wrong}: {said}");
+    }
+}
+
+#[test]
+fn the_summary_may_be_json() {
+    let folder = tempfile::tempdir().unwrap();
+    let line = "grow quaking_aspen --seed 3 --levels 2 --json -o a.glb -o a.gltf";
+    let told = json(&says(folder.path(), line));
+    let keys: Vec<_> = told.as_object().unwrap().keys().map(String::as_str).collect();
+    let mut expected = [
+        "species",
+        "seed",
+        "at",
+        "detail",
+        "quality",
+        "components",
+        "stems",
+        "segments",
+        "leaves",
+        "vertices",
+        "triangles",
+        "bounds",
+        "seconds",
+        "outputs",
+    ];
+    expected.sort();
+    assert_eq!(keys, expected);
+    assert_eq!((&told["species"], &told["seed"]), (&"Quaking Aspen".into(), &3.into()));
+    assert_eq!(told["stems"], serde_json::json!([1, 50]));
+    assert_eq!(told["components"]["tree"], 1);
+    assert!(told["bounds"]["max"][1].as_f64().unwrap() > 5.0);
+    assert!(told["seconds"]["compile"].as_f64().unwrap() > 0.0);
+    let size = |name: &str| fs::metadata(folder.path().join(name)).unwrap().len();
+    let outputs = &told["outputs"];
+    assert_eq!(
+        (&outputs[0]["path"], &outputs[0]["bytes"]),
+        (&"a.glb".into(), &size("a.glb").into())
+    );
+    // An output of several files counts them all.
+    assert_eq!(outputs[1]["bytes"], size("a.gltf") + size("a.bin"));
+
+    let placed = json(&says(folder.path(), "grow quaking_aspen --at 1,2,3 --json --levels 1"));
+    assert_eq!(
+        (&placed["seed"], &placed["at"]),
+        (&serde_json::Value::Null, &[1.0, 2.0, 3.0].into())
+    );
+    // Errors stay lines for people.
+    let said = fails(folder.path(), "grow oak --json", 1);
+    assert!(said.starts_with("sapwood: no built-in species"), "{said}");
+}
+
+/// Interrupts at many moments: each time all files are there or none, and nothing else.
+#[cfg(unix)]
+#[test]
+fn an_interrupt_leaves_nothing_half_done() {
+    let whole = ["t.bin", "t.glb", "t.gltf", "t.mtl", "t.obj"];
+    let mut codes = Vec::new();
+    for wait in (0..12).map(|step| 0.01 + 0.02 * f64::from(step)) {
+        let folder = tempfile::tempdir().unwrap();
+        let line = format!(
+            "'{}' grow silver_birch -o t.glb -o t.gltf -o t.obj & sleep {wait}; \
+             kill -INT $!; wait $!",
+            env!("CARGO_BIN_EXE_sapwood")
+        );
+        let output = Command::new("sh").args(["-c", &line]).current_dir(folder.path()).output();
+        let output = output.unwrap();
+        let (code, said) = (output.status.code().unwrap(), text(&output.stderr));
+        let found = files(folder.path());
+        match code {
+            0 => assert_eq!(found, whole),
+            130 => {
+                assert!(found.is_empty(), "after {wait} s: {found:?}");
+                assert!(said.is_empty() || said.contains("interrupted; nothing"), "{said}");
+            }
+            // Before the program could say what it makes of interrupts.
+            _ => assert!(wait < 0.1 && found.is_empty(), "after {wait} s: {code} {said}"),
+        }
+        codes.push(code);
+    }
+    assert!(codes.contains(&130), "{codes:?}");
+}
+
+#[test]
+fn nothing_but_the_summary_is_said_where_nobody_watches() {
+    let folder = tempfile::tempdir().unwrap();
+    // Long enough for progress to be shown on a terminal.
+    says(folder.path(), "grow weeping_willow --detail draft -o t.obj");
+    let help = says(folder.path(), "grow --help");
+    for option in ["--quality", "--json", "draft", ".gltf", ".obj"] {
+        assert!(help.contains(option), "{option}: {help}");
+    }
+}
