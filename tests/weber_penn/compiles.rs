@@ -42,6 +42,31 @@ fn a_skeleton_of_a_grown_tree_compiles_geometry_only() {
 }
 
 #[test]
+fn a_draft_of_a_grown_tree_compiles_geometry_only() {
+    let geometry = [("leaves", 50), ("stem_surface", 101)];
+    let mut aspen = grown(&built_in("quaking_aspen"), 1);
+    let full = digest(&aspen.draw_list());
+    // The view that grew it is switched.
+    aspen.scene.set_held::<DetailSlot>(aspen.view, Detail::draft()).unwrap();
+    assert_eq!(aspen.compiled(), geometry);
+    let draft = digest(&aspen.draw_list());
+    assert_ne!(draft, full);
+    // Another view opens on what is there.
+    let second = aspen.scene.open_view(aspen.family, &sapwood::standard_rules()).unwrap();
+    aspen.scene.set_held::<DetailSlot>(second, Detail::draft()).unwrap();
+    assert_eq!(compiled(&mut aspen.scene, second), []);
+    assert_eq!(digest(&aspen.scene.draw_list(second, 1_000_000).unwrap()), draft);
+
+    // Opened beside the full one, it compiles no stem either.
+    let mut aspen = grown(&built_in("quaking_aspen"), 1);
+    let second = aspen.scene.open_view(aspen.family, &sapwood::standard_rules()).unwrap();
+    aspen.scene.set_held::<DetailSlot>(second, Detail::draft()).unwrap();
+    assert_eq!(compiled(&mut aspen.scene, second), geometry);
+    assert_eq!(digest(&aspen.draw_list()), full);
+    assert_eq!(digest(&aspen.scene.draw_list(second, 1_000_000).unwrap()), draft);
+}
+
+#[test]
 fn a_second_view_of_a_grown_tree_compiles_nothing() {
     let mut aspen = grown(&built_in("quaking_aspen"), 1);
     let first = digest(&aspen.draw_list());
