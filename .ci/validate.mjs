@@ -1,7 +1,7 @@
-// Checks GLB files with the Khronos validator.
+// Checks glTF files, .glb or .gltf with what they refer to, with the Khronos validator.
 //
 //   npm install --no-save gltf-validator@2.0.0-dev.3.10
-//   node .ci/validate.mjs FILE.glb...
+//   node .ci/validate.mjs FILE...
 //
 // Prints one line for each file and every error and warning below it; exits with 1 if there is
 // any, or if a file cannot be read, and with 2 if the validator is not installed. The validator
@@ -9,7 +9,7 @@
 
 import { readFile } from "node:fs/promises";
 import { createRequire } from "node:module";
-import { resolve } from "node:path";
+import { dirname, join, resolve } from "node:path";
 
 function loadValidator() {
   const places = [process.env.VALIDATOR_DIR, process.cwd()].filter(Boolean);
@@ -26,7 +26,7 @@ function loadValidator() {
 
 const files = process.argv.slice(2);
 if (files.length === 0) {
-  console.error("usage: node validate.mjs FILE.glb...");
+  console.error("usage: node validate.mjs FILE...");
   process.exit(2);
 }
 const validator = loadValidator();
@@ -36,7 +36,11 @@ let failed = false;
 for (const file of files) {
   try {
     const bytes = new Uint8Array(await readFile(file));
-    const report = await validator.validateBytes(bytes, { uri: file, maxIssues: 0 });
+    // What a .gltf refers to lies beside it, by a percent-encoded name.
+    const externalResourceFunction = async (uri) =>
+      new Uint8Array(await readFile(join(dirname(file), decodeURIComponent(uri))));
+    const options = { uri: file, maxIssues: 0, externalResourceFunction };
+    const report = await validator.validateBytes(bytes, options);
     const { numErrors, numWarnings, messages } = report.issues;
     const { totalVertexCount, totalTriangleCount } = report.info ?? {};
     const size = `${totalVertexCount ?? 0} vertices, ${totalTriangleCount ?? 0} triangles`;
