@@ -44,7 +44,7 @@ fn files(folder: &Path) -> Vec<String> {
 
 fn json(text: &str) -> serde_json::Value {
     assert_eq!(text.lines().count(), 1, "{text}");
-    serde_json::from_str(text).unwrap()
+    serde_json::from_str(text).expect("the program writes JSON")
 }
 
 #[test]
