@@ -2,6 +2,10 @@
 
 use sapwood_graph::Kind;
 
+use crate::NodeId;
+use crate::compile::Target;
+use crate::rules::RuleIdentity;
+
 /// What happened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Action {
@@ -24,6 +28,8 @@ pub struct Event {
     pub kind: Kind,
     /// The rule's name.
     pub rule: &'static str,
+    /// The component, where the user placed it; nothing where it came out of a rule.
+    pub node: Option<NodeId>,
 }
 
 /// Events in the order in which they happened; off until somebody turns it on.
@@ -34,10 +40,15 @@ pub(crate) struct EventLog {
 }
 
 impl EventLog {
-    pub(crate) fn note(&mut self, action: Action, kind: Kind, rule: &'static str) {
-        tracing::trace!(?action, %kind, rule);
+    pub(crate) fn note(&mut self, action: Action, rule: &RuleIdentity, target: Target) {
+        let RuleIdentity { kind, name: rule, .. } = *rule;
+        let node = match target {
+            Target::Authored(node) => Some(node),
+            Target::View(_) | Target::Emitted(_) => None,
+        };
+        tracing::trace!(?action, %kind, rule, ?node);
         if self.is_on {
-            self.events.push(Event { action, kind, rule });
+            self.events.push(Event { action, kind, rule, node });
         }
     }
 }

@@ -53,8 +53,7 @@ impl Cache {
             self.plans.iter().map(|(plan, _)| plan).filter(|plan| !keep.contains(plan)).collect();
         for plan in gone {
             if let Some(known) = self.rules.get(self.plans[plan].rule as usize) {
-                let (kind, rule) = (known.identity.kind, known.identity.name);
-                self.log.note(Action::Discarded, kind, rule);
+                self.log.note(Action::Discarded, &known.identity, self.plans[plan].target);
             }
             self.remove_plan(plan);
         }

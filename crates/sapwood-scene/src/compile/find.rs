@@ -29,7 +29,7 @@ impl Pull<'_> {
         };
         if let Some(plan) = self.find(target, rule, revision, env, &memories) {
             let identity = self.cache.rules[rule as usize].identity;
-            self.cache.log.note(Action::Reused, identity.kind, identity.name);
+            self.cache.log.note(Action::Reused, &identity, target);
             if self.cache.is_checking {
                 self.check(plan, env)?;
             }

@@ -38,7 +38,7 @@ impl Pull<'_> {
     ) -> Result<Draft, Interrupted> {
         limits.check_cancelled()?;
         let identity = self.cache.rules[rule as usize].identity;
-        self.cache.log.note(Action::Compiled, identity.kind, identity.name);
+        self.cache.log.note(Action::Compiled, &identity, target);
         let Self { graph, cache, view, environments, .. } = self;
         let environments = environments.get_mut().unwrap_or_else(|broken| broken.into_inner());
         let pushes = Pushes { cache, view };

@@ -67,7 +67,8 @@ impl Pull<'_> {
                 let message = format!("visit of rule {rule} panicked: {}", words_of(&*panic));
                 error = Some(Box::new(Diagnostic { kind, message }));
             }
-            self.cache.log.note(Action::Visited, kind, rule);
+            let (identity, target) = (known.identity, plan.target);
+            self.cache.log.note(Action::Visited, &identity, target);
         }
         let row = &mut self.cache.sites[site.0];
         row.live = live;

@@ -31,8 +31,8 @@ impl RuleSet {
     /// The set with one more rule.
     ///
     /// # Panics
-    /// When this layer has a rule for the kind already. To replace a rule of a set made
-    /// elsewhere, put a layer [`over`](Self::over) it.
+    /// When this layer has a rule for the kind already, or for another kind of the same name.
+    /// To replace a rule of a set made elsewhere, put a layer [`over`](Self::over) it.
     #[track_caller]
     pub fn with<R: Rule>(mut self, rule: R) -> Self {
         let kind = Kind::of::<R::Component>();
@@ -42,6 +42,13 @@ impl RuleSet {
         let layer = Arc::make_mut(&mut self.layers[0]);
         if let Some(earlier) = layer.iter().find(|earlier| earlier.kind == kind) {
             panic!("the rule for {kind} is registered twice, first at {}", earlier.by);
+        }
+        let named_alike = layer.iter().find(|other| other.kind.name() == kind.name());
+        if let Some(other) = named_alike {
+            panic!(
+                "two kinds call themselves {kind}; the other's rule is registered at {}",
+                other.by
+            );
         }
         let by = Location::caller();
         layer.push(Registered { kind, rule: Arc::new(rule), by });

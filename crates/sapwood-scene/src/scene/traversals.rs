@@ -127,6 +127,8 @@ impl Scene {
 
     /// What a view compiled to, as stable text of at most `max_lines` lines.
     ///
+    /// What was read, and what is found by what, is told by [`explain`](Self::explain).
+    ///
     /// # Errors
     /// When the view is closed, or compiling was interrupted.
     pub fn dump(&mut self, view: ViewId, max_lines: usize) -> Result<String, ViewError> {
