@@ -27,6 +27,13 @@ Examples:
   sapwood grow weeping_willow --detail draft --quality 0.5 -o willow.glb
   sapwood grow weeping_willow --levels 2 --json";
 
+const DUMP_EXAMPLES: &str = "\
+Values are told by the first eight digits of their digests: equal ones are equal.
+
+Examples:
+  sapwood dump wheat --levels 1
+  sapwood dump my_species.toml --seed 3 --max-lines 1000";
+
 /// Grows scenes from descriptions.
 #[derive(Debug, Parser)]
 #[command(name = "sapwood", version, after_help = EXIT_CODES, arg_required_else_help = true)]
@@ -43,13 +50,19 @@ pub(crate) enum Command {
     /// Grow a tree, tell how large it is and write it to files
     #[command(after_help = GROW_EXAMPLES)]
     Grow(GrowArguments),
+    /// Take a compiled tree apart, for people who write rules: the components of its scene, the
+    /// plans they were compiled to with what was read, the sites with what they are found by, and
+    /// the render graph
+    #[command(after_help = DUMP_EXAMPLES)]
+    Dump(DumpArguments),
     /// Built-in species and species files: list, show, check, convert
     #[command(after_help = SPECIES_FILES)]
     Species(SpeciesArguments),
 }
 
+/// Which tree, and how much of it.
 #[derive(Args, Debug)]
-pub(crate) struct GrowArguments {
+pub(crate) struct TreeArguments {
     /// Name of a built-in species (see `sapwood species`), or a species file
     #[arg(value_name = "SPECIES|FILE")]
     pub(crate) species: String,
@@ -83,13 +96,6 @@ pub(crate) struct GrowArguments {
     /// Grow that many levels of stems only, 1 for the trunk alone; leaves grow on the last
     #[arg(long, value_name = "N", value_parser = levels, allow_negative_numbers = true)]
     pub(crate) levels: Option<u32>,
-    /// Write a file; may be given several times, and all files are written or none: .glb, .gltf
-    /// (with a .bin) and .obj (with a .mtl) for surfaces and leaves, .svg for the skeleton
-    #[arg(short, long, value_name = "FILE")]
-    pub(crate) output: Vec<Output>,
-    /// Tell what was grown as one JSON object instead of a table; the README has its keys
-    #[arg(long)]
-    pub(crate) json: bool,
     /// Stop before there are more triangles than this
     #[arg(
         long,
@@ -101,6 +107,28 @@ pub(crate) struct GrowArguments {
         help = "Stop before there are more triangles than this [default: 50 million]"
     )]
     pub(crate) max_triangles: u64,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct GrowArguments {
+    #[command(flatten)]
+    pub(crate) tree: TreeArguments,
+    /// Write a file; may be given several times, and all files are written or none: .glb, .gltf
+    /// (with a .bin) and .obj (with a .mtl) for surfaces and leaves, .svg for the skeleton
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Vec<Output>,
+    /// Tell what was grown as one JSON object instead of a table; the README has its keys
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct DumpArguments {
+    #[command(flatten)]
+    pub(crate) tree: TreeArguments,
+    /// Write no more than that many lines of each list
+    #[arg(long, value_name = "N", default_value_t = 40, value_parser = lines)]
+    pub(crate) max_lines: usize,
 }
 
 /// What stems are compiled to.
@@ -161,6 +189,10 @@ impl Arguments {
 
 fn number(text: &str) -> Result<u64, String> {
     text.parse().map_err(|_| format!("accepted: whole numbers from 0 to {}", u64::MAX))
+}
+
+fn lines(text: &str) -> Result<usize, String> {
+    text.parse().map_err(|_| format!("accepted: whole numbers from 0 to {}", usize::MAX))
 }
 
 /// How many levels there are to choose from, the species decides.

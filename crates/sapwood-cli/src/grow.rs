@@ -1,32 +1,25 @@
 //! `sapwood grow`: a scene with one tree, compiled, summed up and written to files.
 
-mod counting;
 mod json;
 mod output;
 mod summary;
-mod watch;
 
 use std::io::Write;
 use std::time::{Duration, Instant};
 
 use sapwood::graph::DrawList;
 use sapwood::io::FileSet;
-use sapwood::rules::weber_penn::{self, DetailSlot, Seed, Species, Tree};
-use sapwood::scene::{Action, Attribute, Budget, Handle, RuleSet, Scene, Transform, ViewId};
-use tracing::{Level, debug, info};
+use sapwood::scene::Scene;
+use tracing::{Level, info};
 
-use crate::arguments::{Detail, GrowArguments};
+use crate::arguments::{Detail, GrowArguments, TreeArguments};
 use crate::failure::Failure;
+use crate::tree;
+use crate::watch::Watch;
 
 use output::Format;
 pub(crate) use output::Output;
 use summary::{Census, Phase, Summary};
-pub(crate) use watch::Watch;
-
-/// Edge length in metres of the cells that make a position a seed.
-const CELL: f32 = 0.1;
-/// Components that cannot be compiled and are told of; more would drown the first.
-const MAX_DIAGNOSTICS: usize = 10;
 
 /// Grows a tree; what is at fault is found in this order: arguments, species, compiling, files.
 pub(crate) fn run(
@@ -38,7 +31,7 @@ pub(crate) fn run(
     watch.done();
     let summary = outcome?;
     if arguments.json {
-        writeln!(out, "{}", json::json(&summary, arguments))?;
+        writeln!(out, "{}", json::json(&summary, &arguments.tree))?;
     } else {
         write!(out, "{summary}")?;
     }
@@ -48,22 +41,19 @@ pub(crate) fn run(
 fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
     check_outputs(arguments)?;
     let mut steps = Steps::default();
-    let species = steps.time("read", || sapwood::io::find_species(&arguments.species))?;
-    let species = thinned(limited(species, arguments.levels)?, arguments.quality);
+    let of = &arguments.tree;
+    let species = steps.time("read", || tree::species(of))?;
 
     let mut scene = Scene::new();
     scene.set_logging(tracing::enabled!(Level::DEBUG));
-    let root = planted(&mut scene, &species, arguments)?;
-    let rules = match arguments.detail {
-        Detail::Full | Detail::Draft => sapwood::standard_rules(),
-        Detail::Skeleton => sapwood::skeleton_rules(),
-    };
+    let root = tree::planted(&mut scene, &species, of)?;
+    let rules = tree::rules(of);
     let (view, bounds) =
-        steps.time("compile", || compiled(&mut scene, root, &rules, arguments, watch))?;
+        steps.time("compile", || tree::compiled(&mut scene, root, &rules, of, watch))?;
     let census = Census::of(&mut scene, view, species.levels)?;
     let components = scene.count(view)?.components;
     let list = steps.time("draw list", || scene.draw_list(view, usize::MAX))?;
-    let has_surfaces = arguments.detail != Detail::Skeleton;
+    let has_surfaces = arguments.tree.detail != Detail::Skeleton;
     let surfaces = has_surfaces.then(|| list.n_vertices_and_triangles());
 
     // Everything is compiled before the first file is written.
@@ -72,14 +62,14 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
     if has_surfaces && wants_svg {
         let rules = sapwood::skeleton_rules();
         lines = Some(steps.time("compile skeleton", || {
-            let (view, _) = compiled(&mut scene, root, &rules, arguments, watch)?;
+            let (view, _) = tree::compiled(&mut scene, root, &rules, of, watch)?;
             Ok::<_, Failure>(scene.draw_list(view, usize::MAX)?)
         })?);
     }
     write_outputs(arguments, &list, lines.as_ref().unwrap_or(&list), watch, &mut steps)?;
 
-    let species = if species.name.is_empty() { arguments.species.clone() } else { species.name };
-    let title = title(&species, arguments);
+    let species = if species.name.is_empty() { of.species.clone() } else { species.name };
+    let title = title(&species, of);
     let (bounds, phases) = (bounds.aabb, steps.0);
     Ok(Summary { species, title, census, components, surfaces, bounds, phases })
 }
@@ -108,7 +98,7 @@ fn write_outputs(
 /// Refuses files that hold what the detail does not make, and files that are written twice.
 fn check_outputs(arguments: &GrowArguments) -> Result<(), Failure> {
     let mut outputs = arguments.output.iter();
-    if arguments.detail == Detail::Skeleton
+    if arguments.tree.detail == Detail::Skeleton
         && let Some(output) = outputs.find(|output| output.needs_surfaces())
     {
         return Err(Failure::usage(format!(
@@ -128,86 +118,7 @@ fn check_outputs(arguments: &GrowArguments) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The species with no more than `levels` levels of stems.
-fn limited(mut species: Species, levels: Option<u32>) -> Result<Species, Failure> {
-    if let Some(levels) = levels {
-        if !(1..=species.levels).contains(&levels) {
-            return Err(Failure::usage(format!(
-                "--levels {levels}: {} has {} levels of stems (accepted: 1 to {})",
-                species.name, species.levels, species.levels
-            )));
-        }
-        species.levels = levels;
-    }
-    Ok(species)
-}
-
-/// The species with a share of its leaves, which are larger. Fans are few and stay.
-fn thinned(mut species: Species, quality: f32) -> Species {
-    if species.leaves.count >= 0 {
-        species.leaves.quality *= quality;
-    }
-    species
-}
-
-/// Places the species and a tree of it in the scene.
-fn planted(
-    scene: &mut Scene,
-    species: &Species,
-    arguments: &GrowArguments,
-) -> Result<Handle<Attribute>, Failure> {
-    let root = scene.add(species.attribute());
-    match arguments.at {
-        None => {
-            let seed = Seed::Explicit(arguments.seed.unwrap_or(0));
-            scene.add_to(root, Tree { seed })?;
-        }
-        Some([x, y, z]) => {
-            let place = scene.add_to(root, Transform::translation(x, y, z))?;
-            scene.add_to(place, Tree { seed: Seed::Position { cell: CELL } })?;
-        }
-    }
-    Ok(root)
-}
-
-/// Opens a view and compiles all of it; tells its bound, or why it is not complete.
-fn compiled(
-    scene: &mut Scene,
-    root: Handle<Attribute>,
-    rules: &RuleSet,
-    arguments: &GrowArguments,
-    watch: &Watch,
-) -> Result<(ViewId, sapwood::geom::Bound), Failure> {
-    let view = scene.open_view(root, rules)?;
-    let triangles = arguments.max_triangles;
-    scene.set_budget(view, Budget { triangles, ..Budget::default() })?;
-    if arguments.detail == Detail::Draft {
-        scene.set_held::<DetailSlot>(view, weber_penn::Detail::draft())?;
-    }
-    watch.follow(scene.cancel_token(view)?);
-    // Should this end early, the scene tells why.
-    let _ = counting::compile_watched(scene.supply(view)?, watch);
-    let bounds = scene.bounds(view)?;
-    tell_log(scene);
-    let found = scene.diagnostics(view, MAX_DIAGNOSTICS)?;
-    if found.is_empty() { Ok((view, bounds)) } else { Err(Failure::diagnostics(&found)) }
-}
-
-/// Tells what was compiled and what was used again, one line for each rule.
-fn tell_log(scene: &mut Scene) {
-    let mut rows: Vec<(&'static str, Action, u64)> = Vec::new();
-    for event in scene.take_log() {
-        match rows.iter_mut().find(|row| (row.0, row.1) == (event.rule, event.action)) {
-            Some(row) => row.2 += 1,
-            None => rows.push((event.rule, event.action, 1)),
-        }
-    }
-    for (rule, action, times) in rows {
-        debug!(rule, ?action, times);
-    }
-}
-
-fn title(name: &str, arguments: &GrowArguments) -> String {
+fn title(name: &str, arguments: &TreeArguments) -> String {
     let detail = match arguments.detail {
         Detail::Full => "",
         Detail::Draft => ", draft",
@@ -245,6 +156,7 @@ impl Steps {
 mod tests {
     use clap::Parser as _;
     use sapwood::geom::glam::{Affine3, Vec3};
+    use sapwood::scene::{Action, Attribute, Transform};
 
     use super::*;
     use crate::arguments::{Arguments, Command};
@@ -341,9 +253,9 @@ mod tests {
         let arguments = parsed("quaking_aspen");
         let species = sapwood::io::find_species("quaking_aspen").unwrap();
         let mut scene = Scene::new();
-        let root = planted(&mut scene, &species, &arguments).unwrap();
+        let root = tree::planted(&mut scene, &species, &arguments.tree).unwrap();
         let rules = sapwood::standard_rules();
-        compiled(&mut scene, root, &rules, &arguments, &Watch::default()).unwrap();
+        tree::compiled(&mut scene, root, &rules, &arguments.tree, &Watch::default()).unwrap();
         scene.set_logging(true);
         let view = scene.open_view(root, &sapwood::skeleton_rules()).unwrap();
         scene.bounds(view).unwrap();
@@ -362,7 +274,7 @@ mod tests {
         scene.add_to(root, nowhere).unwrap();
         let rules = sapwood::standard_rules();
         let (wheat, watch) = (parsed("wheat"), Watch::default());
-        let failure = compiled(&mut scene, root, &rules, &wheat, &watch).unwrap_err();
+        let failure = tree::compiled(&mut scene, root, &rules, &wheat.tree, &watch).unwrap_err();
         let shown = format!("{failure:?}");
         assert!(shown.contains("code: 1"), "{shown}");
         assert!(shown.contains("transform: the transform is not finite"), "{shown}");

@@ -4,9 +4,12 @@
 //! the outcome into words and an exit code.
 
 mod arguments;
+mod dump;
 mod failure;
 mod grow;
 mod species;
+mod tree;
+mod watch;
 
 use std::io::{self, IsTerminal as _, Write};
 use std::process::ExitCode;
@@ -15,7 +18,7 @@ use clap::Parser as _;
 
 use arguments::{Arguments, Command};
 use failure::Failure;
-use grow::Watch;
+use watch::Watch;
 
 fn main() -> ExitCode {
     let arguments = match Arguments::try_parse() {
@@ -47,6 +50,7 @@ fn run(
 ) -> Result<(), Failure> {
     match command {
         Command::Grow(command) => grow::run(&command, &watch(), out),
+        Command::Dump(command) => dump::run(&command, &watch(), out),
         Command::Species(command) => species::run(command, out),
     }
 }

@@ -49,7 +49,7 @@ mod tests {
 
     use super::*;
     use crate::arguments::Arguments;
-    use crate::grow::Watch;
+    use crate::watch::Watch;
 
     fn sapwood(arguments: &[&str]) -> Result<String, Failure> {
         let arguments = Arguments::try_parse_from([&["sapwood"], arguments].concat()).unwrap();

@@ -6,7 +6,7 @@ use sapwood::geom::Aabb;
 use serde::Serialize;
 
 use super::summary::{Phase, Summary};
-use crate::arguments::{Detail, GrowArguments};
+use crate::arguments::{Detail, TreeArguments};
 
 /// The object; the README tells what its keys mean.
 #[derive(Debug, Serialize)]
@@ -41,7 +41,7 @@ struct Written<'a> {
 }
 
 /// The object, on one line.
-pub(super) fn json(summary: &Summary, arguments: &GrowArguments) -> String {
+pub(super) fn json(summary: &Summary, arguments: &TreeArguments) -> String {
     let Summary { species, census, surfaces, bounds, phases, components, .. } = summary;
     let seed = arguments.seed.unwrap_or(0);
     let seconds = |phase: &Phase| phase.time.as_secs_f64();

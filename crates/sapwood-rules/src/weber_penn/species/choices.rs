@@ -146,8 +146,8 @@ impl LeafShape {
         ("sphere", Self::Sphere),
     ];
 
-    /// The shape of this name: canonical names, `disc`, `disc:K` or Arbaro's `discK` (K from 3
-    /// to 1000), tree-gen's `tree_gen:k`, and in species of the paper its list index 0 to 5.
+    /// The shape of this name: canonical names, `disc`, `disc:K` of K outline points (3 to 1000),
+    /// Arbaro's `discK` of K triangles (1 to 998), tree-gen's `tree_gen:k`, and in species of the paper its list index 0 to 5.
     pub fn from_name(name: &str, origin: Origin) -> Option<Self> {
         if let Some((_, shape)) = Self::NAMES.iter().find(|(known, _)| *known == name) {
             return Some(*shape);
@@ -159,7 +159,11 @@ impl LeafShape {
             if points.is_empty() {
                 return Some(Self::Oval);
             }
-            let points = points.strip_prefix(':').unwrap_or(points).parse().ok()?;
+            let points = match points.strip_prefix(':') {
+                Some(points) => points.parse().ok()?,
+                // A fan of triangles has two outline points more.
+                None => points.parse::<u32>().ok()?.checked_add(2)?,
+            };
             return (3..=1000).contains(&points).then_some(Self::Disc(points));
         }
         match (name, origin) {
@@ -315,7 +319,9 @@ mod tests {
         let read = LeafShape::from_name;
         assert_eq!(read("0", Origin::Arbaro), Some(LeafShape::Oval));
         assert_eq!(read("disc", Origin::Arbaro), Some(LeafShape::Oval));
-        assert_eq!(read("disc5", Origin::Arbaro), Some(LeafShape::Disc(5)));
+        assert_eq!(read("disc5", Origin::Arbaro), Some(LeafShape::Disc(7)));
+        assert_eq!(read("disc:5", Origin::Arbaro), Some(LeafShape::Disc(5)));
+        assert_eq!(read("disc0", Origin::Arbaro), None);
         assert_eq!(read("disc:2", Origin::Arbaro), None);
         assert_eq!(read("3", Origin::Paper), Some(LeafShape::Maple3));
         assert_eq!(read("3", Origin::Arbaro), None);

@@ -5,7 +5,7 @@ use sapwood::graph::{
     EnvId, Everything, Eye, Interrupted, PlanRef, Provide, SiteId, Supplied, Supply, Want, discover,
 };
 
-use super::watch::Watch;
+use crate::watch::Watch;
 
 /// Wants that are passed on together.
 const AT_ONCE: usize = 128;

@@ -1,0 +1,110 @@
+//! The tree that a command is about: read, planted in a scene, and compiled.
+
+mod counting;
+
+use sapwood::geom::Bound;
+use sapwood::rules::weber_penn::{self, DetailSlot, Seed, Species, Tree};
+use sapwood::scene::{Action, Attribute, Budget, Handle, RuleSet, Scene, Transform, ViewId};
+use tracing::debug;
+
+use crate::arguments::{Detail, TreeArguments};
+use crate::failure::Failure;
+use crate::watch::Watch;
+
+/// Edge length in metres of the cells that make a position a seed.
+const CELL: f32 = 0.1;
+/// Components that cannot be compiled and are told of; more would drown the first.
+const MAX_DIAGNOSTICS: usize = 10;
+
+/// The species that the arguments ask for.
+pub(crate) fn species(arguments: &TreeArguments) -> Result<Species, Failure> {
+    let species = sapwood::io::find_species(&arguments.species)?;
+    Ok(thinned(limited(species, arguments.levels)?, arguments.quality))
+}
+
+/// The rules that the arguments ask for.
+pub(crate) fn rules(arguments: &TreeArguments) -> RuleSet {
+    match arguments.detail {
+        Detail::Full | Detail::Draft => sapwood::standard_rules(),
+        Detail::Skeleton => sapwood::skeleton_rules(),
+    }
+}
+
+/// Places the species and a tree of it in the scene.
+pub(crate) fn planted(
+    scene: &mut Scene,
+    species: &Species,
+    arguments: &TreeArguments,
+) -> Result<Handle<Attribute>, Failure> {
+    let root = scene.add(species.attribute());
+    match arguments.at {
+        None => {
+            let seed = Seed::Explicit(arguments.seed.unwrap_or(0));
+            scene.add_to(root, Tree { seed })?;
+        }
+        Some([x, y, z]) => {
+            let place = scene.add_to(root, Transform::translation(x, y, z))?;
+            scene.add_to(place, Tree { seed: Seed::Position { cell: CELL } })?;
+        }
+    }
+    Ok(root)
+}
+
+/// Opens a view and compiles all of it; tells its bound, or why it is not complete.
+pub(crate) fn compiled(
+    scene: &mut Scene,
+    root: Handle<Attribute>,
+    rules: &RuleSet,
+    arguments: &TreeArguments,
+    watch: &Watch,
+) -> Result<(ViewId, Bound), Failure> {
+    let view = scene.open_view(root, rules)?;
+    let triangles = arguments.max_triangles;
+    scene.set_budget(view, Budget { triangles, ..Budget::default() })?;
+    if arguments.detail == Detail::Draft {
+        scene.set_held::<DetailSlot>(view, weber_penn::Detail::draft())?;
+    }
+    watch.follow(scene.cancel_token(view)?);
+    // Should this end early, the scene tells why.
+    let _ = counting::compile_watched(scene.supply(view)?, watch);
+    let bounds = scene.bounds(view)?;
+    tell_log(scene);
+    let found = scene.diagnostics(view, MAX_DIAGNOSTICS)?;
+    if found.is_empty() { Ok((view, bounds)) } else { Err(Failure::diagnostics(&found)) }
+}
+
+/// The species with no more than `levels` levels of stems.
+fn limited(mut species: Species, levels: Option<u32>) -> Result<Species, Failure> {
+    if let Some(levels) = levels {
+        if !(1..=species.levels).contains(&levels) {
+            return Err(Failure::usage(format!(
+                "--levels {levels}: {} has {} levels of stems (accepted: 1 to {})",
+                species.name, species.levels, species.levels
+            )));
+        }
+        species.levels = levels;
+    }
+    Ok(species)
+}
+
+/// The species with a share of its leaves, which are larger. Fans are few and stay.
+fn thinned(mut species: Species, quality: f32) -> Species {
+    if species.leaves.count >= 0 {
+        species.leaves.quality *= quality;
+    }
+    species
+}
+
+/// Tells what was compiled and what was used again, one line for each rule.
+fn tell_log(scene: &mut Scene) {
+    let mut rows: Vec<(&'static str, Action, u64)> = Vec::new();
+    for event in scene.take_log() {
+        match rows.iter_mut().find(|row| (row.0, row.1) == (event.rule, event.action)) {
+            Some(row) => row.2 += 1,
+            None => rows.push((event.rule, event.action, 1)),
+        }
+    }
+    for (rule, action, times) in rows {
+        debug!(rule, ?action, times);
+    }
+}
