@@ -58,7 +58,8 @@ mod tests {
             "semantic graph\n  attribute NodeId(1v1), edited at",
             "\nplans\n  p1 view, 1 link\n  p2 attribute NodeId(1v1) by attribute",
             "by weber_penn.branch",
-            "; reads weber_penn.level_0",
+            "; reads weber_penn.crown",
+            "material (if forced) 00000000",
             "\nsites\n  s1 of p1; ",
             "\nrender graph\n  attribute\n",
         ] {

@@ -97,7 +97,11 @@ fn measure(n_edits: usize, build: impl FnOnce() -> Forest) {
     drop(forest);
     row("taking the scene down", start.elapsed());
 
-    if let (Some(before), Some(built), Some(compiled)) = (before, built, compiled) {
+    // Memory that an earlier scene has left is taken again, and tells nothing.
+    if let (Some(before), Some(built), Some(compiled)) = (before, built, compiled)
+        && before < built
+        && built < compiled
+    {
         let per_node = |bytes: u64| bytes / n_nodes as u64;
         println!("  {n_nodes} components; bytes for each of them:");
         println!("  {:<40} {:>10}", "semantic graph", per_node(built.saturating_sub(before)));

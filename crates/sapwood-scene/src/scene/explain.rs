@@ -12,6 +12,7 @@ use sapwood_graph::{SiteId, Supply};
 
 use super::Scene;
 use crate::compile::{Cache, Link, Pull, Site, Target};
+use crate::rules::ReadKey;
 use crate::slots::SlotKey;
 use crate::{NodeId, PushMode, ViewError, ViewId};
 
@@ -182,8 +183,10 @@ fn plan_line(cache: &Cache, number: usize, plan: u32) -> String {
         format!("{how}{} {}", scope.slot.name(), short(scope.value.digest))
     });
     tell_all(&mut line, "pushes", pushes);
-    let reads = plan.reads.iter();
-    let reads = reads.map(|read| format!("{} {}", read.key.name(), short(read.value)));
+    let reads = plan.reads.iter().map(|read| {
+        let how = if let ReadKey::Forced(_) = read.key { " (if forced)" } else { "" };
+        format!("{}{how} {}", read.key.name(), short(read.value))
+    });
     tell_all(&mut line, "reads", reads);
     line
 }
@@ -211,9 +214,10 @@ fn site_line(met: &Met, number: usize, row: &Site) -> String {
     if row.remembers {
         line.push_str(", remembers");
     }
-    let key = row.key.iter();
     let value = |(slot, digest): &(SlotKey, Digest)| format!("{} {}", slot.name(), short(*digest));
-    tell_all(&mut line, "found by", key.map(value));
+    let mut key: Vec<String> = row.key.iter().map(value).collect();
+    key.sort_unstable();
+    tell_all(&mut line, "found by", key.into_iter());
     let below: Vec<usize> = row
         .links
         .iter()
