@@ -6,7 +6,9 @@ use smallvec::SmallVec;
 use super::cache::Cache;
 use crate::PushMode;
 use crate::rules::Scope;
-use crate::slots::{Forced, ForcedSlots, LinkPushes, Pushed, SlotKey, SlotValue};
+use crate::slots::{
+    Forced, ForcedDescending, ForcedSlots, LinkPushes, Pushed, SlotKey, SlotValue, forced_against,
+};
 use crate::view::View;
 
 /// What links push, as environments ask for it.
@@ -28,15 +30,15 @@ impl Pushes<'_> {
     /// is forced. What is forced counts as one slot of its own, so that it need not be told for
     /// each slot that is pushed.
     pub(super) fn lifted(&self, site: SiteId, link: u32, slot: SlotKey) -> SmallVec<[SlotKey; 2]> {
-        let forced = SlotKey::of::<Forced>();
         let mut above: SmallVec<[SlotKey; 2]> = smallvec::smallvec![slot];
-        if slot == forced {
+        if [SlotKey::of::<Forced>(), SlotKey::of::<ForcedDescending>()].contains(&slot) {
             // A forced value that is merged takes part of itself from above.
-            let mut scopes: SmallVec<[&Scope; 4]> = self.scopes(site, link).collect();
-            scopes.retain(|scope| scope.mode == PushMode::Force && scope.slot.merges());
-            above.extend(scopes.iter().map(|scope| scope.slot));
+            let forces = |scope: &&Scope| scope.mode == PushMode::Force && scope.slot.merges();
+            let merged = self.scopes(site, link).filter(forces).map(|scope| scope.slot);
+            above.extend(merged.filter(|merged| forced_against(*merged) == slot));
             return above;
         }
+        let forced = forced_against(slot);
         for scope in self.scopes(site, link).filter(|scope| scope.slot == slot) {
             match scope.mode {
                 PushMode::Inherit => continue,

@@ -9,7 +9,7 @@ use sapwood_geom::{Digest, Digester, FixedMap, fixed_state};
 use sapwood_graph::{EnvId, SiteId};
 use smallvec::SmallVec;
 
-use super::{Forced, SlotKey, SlotValue};
+use super::{Forced, ForcedDescending, SlotKey, SlotValue, forced_against};
 
 /// The environment above all: a view's root.
 const ROOT: u32 = 0;
@@ -175,9 +175,10 @@ impl Environments {
         self.forced(env).contains(&slot)
     }
 
-    /// The digest of everything that is forced in an environment.
-    fn forced_digest(&mut self, pushes: &dyn LinkPushes, env: EnvId) -> Digest {
-        let forced = self.forced(env).clone();
+    /// The digest of everything that is forced in an environment, as far as `all` stands for it.
+    fn forced_digest(&mut self, pushes: &dyn LinkPushes, env: EnvId, all: SlotKey) -> Digest {
+        let mut forced = self.forced(env).clone();
+        forced.retain(|slot| forced_against(*slot) == all);
         if forced.is_empty() {
             return Digest::from_bits(0);
         }
@@ -190,8 +191,8 @@ impl Environments {
 
     /// The digest of a slot's value.
     pub(crate) fn digest(&mut self, pushes: &dyn LinkPushes, env: EnvId, slot: SlotKey) -> Digest {
-        if slot == SlotKey::of::<Forced>() {
-            return self.forced_digest(pushes, env);
+        if [SlotKey::of::<Forced>(), SlotKey::of::<ForcedDescending>()].contains(&slot) {
+            return self.forced_digest(pushes, env, slot);
         }
         match self.known(self.pushed(env, slot), slot) {
             Some(value) => value.digest,

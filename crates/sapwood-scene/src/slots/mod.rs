@@ -16,8 +16,8 @@ pub(crate) use environment::{Environments, ForcedSlots, LinkFacts, LinkPushes, P
 pub use places::{Cell, DistanceBand, Side, SideOfBox};
 pub use projection::Projection;
 pub(crate) use projection::{Memory, PANICKED, ProjectionKey};
-pub(crate) use push::Forced;
 pub use push::PushMode;
+pub(crate) use push::{Forced, ForcedDescending, forced_against};
 pub use reader::SlotReader;
 pub use slot::{Held, Moving, Rate, Slot};
 pub(crate) use slot::{SlotKey, SlotValue};

@@ -2,7 +2,7 @@
 
 use sapwood_geom::{Content, Digester};
 
-use super::{Held, Slot};
+use super::{Held, Slot, SlotKey};
 
 /// How a push stands against what is inherited.
 ///
@@ -28,8 +28,13 @@ impl Content for PushMode {
     }
 }
 
-/// Stands for all values that are forced at a place together: whatever pushes something reads
-/// them, for they may stand against it.
+/// What stands for the forced values that may stand against a push of `slot`.
+pub(crate) fn forced_against(slot: SlotKey) -> SlotKey {
+    if slot.descends() { SlotKey::of::<ForcedDescending>() } else { SlotKey::of::<Forced>() }
+}
+
+/// Stands for all values that are forced at a place together, those that descend left out:
+/// whatever pushes something reads them, for they may stand against it.
 pub(crate) enum Forced {}
 
 impl Slot for Forced {
@@ -38,4 +43,19 @@ impl Slot for Forced {
     const NAME: &'static str = "forced";
 
     fn default() {}
+}
+
+/// Stands for all forced values together that descend. They are another at each child, which
+/// concerns only pushes of slots that descend too.
+pub(crate) enum ForcedDescending {}
+
+impl Slot for ForcedDescending {
+    type Value = ();
+    type Rate = Held;
+    const NAME: &'static str = "forced_descending";
+    const DESCENDS: bool = true;
+
+    fn default() {}
+
+    fn descend((): &(), _: u64) {}
 }

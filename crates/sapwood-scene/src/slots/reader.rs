@@ -5,7 +5,7 @@ use std::sync::Arc;
 use sapwood_graph::EnvId;
 use smallvec::SmallVec;
 
-use super::{Environments, Forced, Held, LinkPushes, Slot, SlotKey, SlotValue};
+use super::{Environments, Held, LinkPushes, Slot, SlotKey, SlotValue, forced_against};
 
 /// Reads held slots in one environment.
 pub struct SlotReader<'a> {
@@ -54,7 +54,7 @@ impl<'a> SlotReader<'a> {
 
     /// The value of a slot if it is forced here.
     pub(crate) fn forced_value(&mut self, slot: SlotKey) -> Option<SlotValue> {
-        let forced = SlotKey::of::<Forced>();
+        let forced = forced_against(slot);
         if let Err(place) = self.slots.binary_search(&forced) {
             self.slots.insert(place, forced);
         }
