@@ -23,6 +23,8 @@ struct Connection {
     source: NodeId,
     input: &'static str,
     drive: Drive,
+    /// Its place among all that the source drives.
+    place: usize,
 }
 
 /// A component with driven inputs.
@@ -37,8 +39,8 @@ struct Driven {
 /// All connections of a scene.
 pub(crate) struct Fields {
     driven: FixedMap<NodeId, Driven>,
-    /// The components that each component drives.
-    drives: FixedMap<NodeId, SmallVec<[NodeId; 2]>>,
+    /// The components that each component drives, each once for every input.
+    drives: FixedMap<NodeId, SmallVec<[(NodeId, &'static str); 2]>>,
 }
 
 impl Fields {
@@ -49,8 +51,8 @@ impl Fields {
         }
     }
 
-    fn driven_by(&self, source: NodeId) -> &[NodeId] {
-        self.drives.get(&source).map_or(&[], |targets| targets)
+    fn driven_by(&self, source: NodeId) -> impl Iterator<Item = NodeId> + '_ {
+        self.drives.get(&source).into_iter().flatten().map(|(target, _)| *target)
     }
 
     /// What drives a component, and through which inputs.
@@ -61,6 +63,9 @@ impl Fields {
 
     /// The nodes from `first` to `last` along connections, if there is a way.
     fn path(&self, first: NodeId, last: NodeId) -> Option<Vec<NodeId>> {
+        if first != last && !self.driven.contains_key(&last) {
+            return None;
+        }
         let mut came_from: FixedMap<NodeId, NodeId> = FixedMap::with_hasher(fixed_state());
         let mut stack = vec![first];
         while let Some(node) = stack.pop() {
@@ -71,9 +76,9 @@ impl Fields {
                 return Some(path);
             }
             for target in self.driven_by(node) {
-                if *target != first && !came_from.contains_key(target) {
-                    came_from.insert(*target, node);
-                    stack.push(*target);
+                if target != first && !came_from.contains_key(&target) {
+                    came_from.insert(target, node);
+                    stack.push(target);
                 }
             }
         }
@@ -82,30 +87,36 @@ impl Fields {
 
     /// Takes away what drives an input, and tells whether anything did.
     fn disconnect(&mut self, target: NodeId, is_gone: impl Fn(&NodeId, &str) -> bool) -> bool {
-        let Some(driven) = self.driven.get_mut(&target) else { return false };
-        let mut sources: SmallVec<[NodeId; 2]> = SmallVec::new();
-        driven.connections.retain(|connection| {
-            let goes = is_gone(&connection.source, connection.input);
-            if goes {
-                sources.push(connection.source);
+        let mut was_driven = false;
+        while let Some(driven) = self.driven.get_mut(&target) {
+            let mut connections = driven.connections.iter();
+            let Some(number) = connections.position(|each| is_gone(&each.source, each.input))
+            else {
+                break;
+            };
+            let Connection { source, place, .. } = driven.connections.remove(number);
+            driven.effective.take();
+            if driven.connections.is_empty() {
+                self.driven.remove(&target);
             }
-            !goes
-        });
-        driven.effective.take();
-        if driven.connections.is_empty() {
-            self.driven.remove(&target);
+            self.forget_driven(source, place);
+            was_driven = true;
         }
-        for source in &sources {
-            if let Some(targets) = self.drives.get_mut(source) {
-                if let Some(place) = targets.iter().position(|other| *other == target) {
-                    targets.remove(place);
-                }
-                if targets.is_empty() {
-                    self.drives.remove(source);
-                }
-            }
+        was_driven
+    }
+
+    /// Takes one place out of what a component drives; the last one moves there.
+    fn forget_driven(&mut self, source: NodeId, place: usize) {
+        let Some(targets) = self.drives.get_mut(&source) else { return };
+        targets.swap_remove(place);
+        if targets.is_empty() {
+            self.drives.remove(&source);
+        } else if let Some((moved, input)) = targets.get(place)
+            && let Some(driven) = self.driven.get_mut(moved)
+            && let Some(moved) = driven.connections.iter_mut().find(|each| each.input == *input)
+        {
+            moved.place = place;
         }
-        !sources.is_empty()
     }
 }
 
@@ -140,8 +151,9 @@ impl Graph {
                 drive(source, target);
             }
         });
-        driven.connections.push(Connection { source, input, drive });
-        self.fields.drives.entry(source).or_default().push(target);
+        let targets = self.fields.drives.entry(source).or_default();
+        driven.connections.push(Connection { source, input, drive, place: targets.len() });
+        targets.push((target, input));
         self.touch(target);
         Ok(())
     }
@@ -159,7 +171,8 @@ impl Graph {
     /// Forgets all connections of a node that is about to be removed.
     pub(super) fn disconnect_all(&mut self, node: NodeId) {
         self.fields.disconnect(node, |_, _| true);
-        for target in self.fields.driven_by(node).to_vec() {
+        let targets: Vec<NodeId> = self.fields.driven_by(node).collect();
+        for target in targets {
             if self.fields.disconnect(target, |source, _| *source == node) {
                 self.touch(target);
             }
@@ -180,7 +193,7 @@ impl Graph {
         if self.keeps_driven {
             return outdated;
         }
-        let mut stack: SmallVec<[NodeId; 8]> = self.fields.driven_by(node).into();
+        let mut stack: SmallVec<[NodeId; 8]> = self.fields.driven_by(node).collect();
         while let Some(target) = stack.pop() {
             let was_known = self.fields.driven.get_mut(&target).map(|row| row.effective.take());
             let Some(row) = self.nodes.get_mut(target) else { continue };
@@ -190,7 +203,7 @@ impl Graph {
             }
             row.edited = self.revision;
             outdated.push(target);
-            stack.extend_from_slice(self.fields.driven_by(target));
+            stack.extend(self.fields.driven_by(target));
         }
         outdated
     }
@@ -232,7 +245,7 @@ impl Graph {
     fn driven_component(&self, id: NodeId, driven: &Driven) -> Result<Box<AnyRef>, String> {
         let own = self.component(id).map_err(|error| error.to_string())?;
         let mut component = (driven.copy)(own);
-        for Connection { source, input, drive } in &driven.connections {
+        for Connection { source, input, drive, .. } in &driven.connections {
             let known = self.fields.driven.get(source).and_then(|row| row.effective.get());
             let source = match known {
                 None => self.component(*source).map_err(|error| error.to_string())?,

@@ -70,7 +70,8 @@ impl Question {
 
 /// Which nodes ask which value sub-graphs.
 pub(crate) struct ValueGraphs {
-    asks: FixedMap<NodeId, NodeId>,
+    /// The top that each node asks, and its place among those that do.
+    asks: FixedMap<NodeId, (NodeId, usize)>,
     askers: FixedMap<NodeId, SmallVec<[NodeId; 2]>>,
 }
 
@@ -84,7 +85,7 @@ impl ValueGraphs {
 
     /// The top of the value sub-graph that a node asks.
     pub(crate) fn asked_by(&self, node: NodeId) -> Option<NodeId> {
-        self.asks.get(&node).copied()
+        self.asks.get(&node).map(|(top, _)| *top)
     }
 
     /// The nodes that ask the value sub-graph below a node.
@@ -96,17 +97,22 @@ impl ValueGraphs {
     }
 
     fn set(&mut self, node: NodeId, top: Option<NodeId>) {
-        if let Some(old) = self.asks.remove(&node)
+        if let Some((old, place)) = self.asks.remove(&node)
             && let Some(askers) = self.askers.get_mut(&old)
         {
-            askers.retain(|asker| *asker != node);
+            askers.swap_remove(place);
+            let moved = askers.get(place).and_then(|moved| self.asks.get_mut(moved));
+            if let Some((_, old_place)) = moved {
+                *old_place = place;
+            }
             if askers.is_empty() {
                 self.askers.remove(&old);
             }
         }
         if let Some(top) = top {
-            self.asks.insert(node, top);
-            self.askers.entry(top).or_default().push(node);
+            let askers = self.askers.entry(top).or_default();
+            self.asks.insert(node, (top, askers.len()));
+            askers.push(node);
         }
     }
 }
