@@ -22,6 +22,7 @@ mod built_in;
 mod column;
 mod compile;
 mod log;
+mod panic;
 #[cfg(feature = "planted-faults")]
 mod planted_fault;
 mod rules;

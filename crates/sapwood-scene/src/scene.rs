@@ -50,11 +50,10 @@ impl Scene {
 
 /// Questions about the semantic graph.
 impl Scene {
-    /// A component, while it is in the scene, as the inputs make it that drive it.
+    /// A component, while it is in the scene, as the inputs make it that drive it; nothing where
+    /// what drives it panicked, as views show nothing either.
     pub fn get<C: Component>(&self, handle: Handle<C>) -> Option<&C> {
-        let id = handle.id();
-        let effective = self.graph.effective(id).ok().or_else(|| self.graph.component(id).ok());
-        effective?.downcast_ref()
+        self.graph.effective(handle.id()).ok()?.downcast_ref()
     }
 
     /// A handle on a node, if it holds a component of type `C`.

@@ -216,7 +216,7 @@ fn a_panic_fails_what_is_driven_and_nothing_else() {
     assert_eq!(sizes(scene, view), [1.0, 1.0, 2.0]);
     scene.edit(chain.bodies[0], |body| body.size = 10.0).unwrap();
     assert_eq!(sizes(scene, view), [10.0]);
-    let message = "what drives input size panicked".to_owned();
+    let message = "what drives input size panicked: too large on purpose".to_owned();
     assert_eq!(errors(scene, view), [("plain", message.clone()), ("plain", message)]);
     // Not tried again until something has changed.
     scene.take_log();
@@ -237,4 +237,85 @@ fn what_is_driven_is_driven_at_all_its_places() {
     scene.edit(chain.bodies[0], |body| body.size = 4.0).unwrap();
     assert_eq!(sizes(scene, view), [4.0, 5.0, 5.0]);
     assert_eq!(all_compiled(scene), [("plain", 2)]);
+}
+
+/// A component whose copying panics when it is large.
+#[derive(Debug)]
+struct Brittle {
+    size: f32,
+}
+sapwood::geom::content!(Brittle { size });
+impl sapwood::graph::Named for Brittle {
+    const NAME: &'static str = "brittle";
+}
+impl sapwood::scene::Component for Brittle {}
+
+impl Clone for Brittle {
+    fn clone(&self) -> Self {
+        assert!(self.size < 5.0, "too large to copy");
+        Self { size: self.size }
+    }
+}
+
+struct BrittleRule;
+impl sapwood::scene::Rule for BrittleRule {
+    type Component = Brittle;
+    type Data = ();
+    const NAME: &'static str = "brittle";
+
+    fn init(
+        &self,
+        brittle: &Brittle,
+        cx: &mut sapwood::scene::Context<'_>,
+    ) -> Result<(), sapwood::scene::RuleError> {
+        cx.label(sapwood::graph::Label::new("brittle", brittle.size));
+        Ok(())
+    }
+}
+
+#[test]
+fn a_copy_that_panics_fails_its_component_alone() {
+    let mut scene = Scene::new();
+    let top = scene.add(Group);
+    let source = scene.add_to(top, Plain { size: 1.0 }).unwrap();
+    let brittle = scene.add_to(top, Brittle { size: 9.0 }).unwrap();
+    let drive = |source: &Plain, brittle: &mut Brittle| brittle.size = source.size;
+    scene.connect(source, brittle, "size", drive).unwrap();
+    let rules = sapwood::scene::RuleSet::new().with(BrittleRule).over(&rules());
+    let view = scene.open_view(top, &rules).unwrap();
+    let found = scene.diagnostics(view, 9).unwrap();
+    assert_eq!(found.len(), 1);
+    assert_eq!(found[0].1.message, "its copying panicked: too large to copy");
+    assert!(scene.get(brittle).is_none() && scene.get(source).is_some());
+    scene.edit(brittle, |brittle| brittle.size = 2.0).unwrap();
+    assert!(scene.diagnostics(view, 9).unwrap().is_empty());
+    assert_eq!(scene.get(brittle).unwrap().size, 1.0);
+}
+
+#[test]
+fn handles_of_another_scene_are_refused() {
+    let mut other = Scene::new();
+    let foreign = other.add(Plain { size: 1.0 });
+    let mut scene = Scene::new();
+    scene.add(Group);
+    let plain = scene.add(Plain { size: 2.0 });
+    let copy = |source: &Plain, target: &mut Plain| target.size = source.size;
+    assert!(scene.connect(plain, foreign, "size", copy).is_err());
+    assert!(scene.connect(foreign, plain, "size", copy).is_err());
+    assert_eq!(scene.get(plain).unwrap().size, 2.0);
+}
+
+#[test]
+fn who_takes_over_an_input_takes_over_its_turn() {
+    let mut scene = Scene::new();
+    let (a, b) = (scene.add(Plain { size: 1.0 }), scene.add(Plain { size: 2.0 }));
+    let target = scene.add(Plain { size: 0.0 });
+    let set = |source: &Plain, target: &mut Plain| target.size = source.size;
+    let double = |_: &Plain, target: &mut Plain| target.size *= 10.0;
+    scene.connect(a, target, "first", set).unwrap();
+    scene.connect(a, target, "second", double).unwrap();
+    scene.connect(b, target, "first", set).unwrap();
+    assert_eq!(scene.get(target).unwrap().size, 20.0);
+    let inputs: Vec<_> = scene.inputs(target).collect();
+    assert_eq!(inputs, [(b.id(), "first"), (a.id(), "second")]);
 }

@@ -116,6 +116,51 @@ fn templates_used_wrongly_name_kit_and_part() {
     check(|| template().expose("shade", "x", |_, _: &mut Plain| {}), "kit lamp has no part shade");
     check(
         || template().expose("foot", "x", |_, _: &mut Transform| {}),
-        "part foot of kit lamp is no transform",
+        "part foot of kit lamp is a plain, no transform",
     );
+}
+
+/// The parameters of a row of two lamps.
+#[derive(Debug, Clone)]
+struct Row {
+    height: f32,
+}
+content!(Row { height });
+impl Named for Row {
+    const NAME: &'static str = "row";
+}
+
+#[test]
+fn a_kit_is_a_part_of_a_kit() {
+    let low = Lamp { height: 1.0, bulb: 1.0 };
+    let row = KitTemplate::<Row>::new()
+        .kit("lamp", template(), low)
+        .expose("lamp", "height", |row: &Row, lamp: &mut Kit<Lamp>| {
+            lamp.parameters.height = row.height;
+        })
+        .part("twin", Plain { size: 9.0 })
+        .wire("lamp", "twin", "size", |lamp: &Kit<Lamp>, twin: &mut Plain| {
+            twin.size = lamp.parameters.height;
+        });
+    let mut scene = checked_scene();
+    let rules = RuleSet::new().with(KitRule::<Row>::new()).over(&kit_rules());
+    let kit = scene.add_kit(&row, Row { height: 7.0 }).unwrap();
+    let view = scene.open_view(kit, &rules).unwrap();
+    assert_eq!(sizes(&mut scene, view), [3.0, 1.0, 7.0]);
+    assert_eq!(places(&mut scene, view)[1], [0.0, 7.0, 0.0]);
+    scene.edit(kit, |kit| kit.parameters.height = 8.0).unwrap();
+    assert_eq!(sizes(&mut scene, view), [3.0, 1.0, 8.0]);
+    assert_eq!(places(&mut scene, view)[1], [0.0, 8.0, 0.0]);
+    let lamp: Handle<Kit<Lamp>> = scene.part(kit, "lamp").unwrap();
+    assert!(scene.part::<_, Plain>(lamp, "bulb").is_some());
+}
+
+#[test]
+fn a_copy_of_a_kit_has_no_parts_of_another() {
+    let mut scene = checked_scene();
+    let kit = lamp(&mut scene, 2.0, 0.5);
+    let copy = scene.get(kit).unwrap().clone();
+    let copy = scene.add(copy);
+    assert!(scene.part::<_, Plain>(copy, "foot").is_none());
+    assert!(scene.part::<_, Plain>(kit, "foot").is_some());
 }

@@ -269,7 +269,7 @@ fn what_is_asked_may_be_driven_or_fail() {
     asking.shows(9.0, 1.0, &[("attribute", 1), ("sized", 1)]);
     asking.scene.edit(source, |source| source.size = 10.0).unwrap();
     assert_eq!(sizes(&mut asking.scene, asking.view), [] as [f32; 0]);
-    let message = "what drives input value panicked".to_owned();
+    let message = "what drives input value panicked: too large on purpose".to_owned();
     assert_eq!(errors(&mut asking.scene, asking.view), [("attribute", message)]);
 }
 

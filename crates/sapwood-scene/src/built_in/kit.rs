@@ -4,7 +4,7 @@ use std::any::TypeId;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-use sapwood_geom::{Content, Digester};
+use sapwood_geom::{Content, Digester, FixedSet, fixed_state};
 use sapwood_graph::Named;
 
 use crate::{Children, Component, Context, EditError, Handle, NodeId, Rule, RuleError, Scene};
@@ -78,29 +78,29 @@ impl<P: Named + Content + Send + Sync> Rule for KitRule<P> {
 /// drive.
 pub struct KitTemplate<P> {
     parts: Vec<TemplatePart>,
-    exposed: Vec<Exposed<P>>,
+    inputs: Vec<Box<Connect<P>>>,
 }
 
 struct TemplatePart {
     name: &'static str,
     component: TypeId,
+    kind: &'static str,
     /// The number of the part that it is below; the kit itself if there is none.
     under: Option<usize>,
-    add: Box<dyn Fn(&mut Scene) -> NodeId + Send + Sync>,
+    add: Box<Place>,
 }
 
-/// Connects one input of a part to the parameters.
-struct Exposed<P> {
-    part: usize,
-    connect: Box<Connect<P>>,
-}
+/// Places a part in a scene, below nothing yet.
+type Place = dyn Fn(&mut Scene) -> Result<NodeId, EditError> + Send + Sync;
 
-type Connect<P> = dyn Fn(&mut Scene, Handle<Kit<P>>, NodeId) -> Result<(), EditError> + Send + Sync;
+/// Connects an input of one of the parts, which are given in the order of the template.
+type Connect<P> =
+    dyn Fn(&mut Scene, Handle<Kit<P>>, &[NodeId]) -> Result<(), EditError> + Send + Sync;
 
 impl<P: Named + Content + Send + Sync> KitTemplate<P> {
     /// A template without parts.
     pub fn new() -> Self {
-        Self { parts: Vec::new(), exposed: Vec::new() }
+        Self { parts: Vec::new(), inputs: Vec::new() }
     }
 
     /// The template with one more part right below the kit.
@@ -109,7 +109,23 @@ impl<P: Named + Content + Send + Sync> KitTemplate<P> {
     /// When there is a part of this name.
     #[track_caller]
     pub fn part<C: Component + Clone>(self, name: &'static str, component: C) -> Self {
-        self.with_part(name, None, component)
+        self.with_part::<C>(name, None, placing(component))
+    }
+
+    /// The template with a whole kit as one more part right below it; its parameters can be
+    /// driven like the fields of any part. A rule set needs a rule for either kit.
+    ///
+    /// # Panics
+    /// When there is a part of this name.
+    #[track_caller]
+    pub fn kit<Q: Named + Content + Clone + Send + Sync>(
+        self,
+        name: &'static str,
+        template: KitTemplate<Q>,
+        parameters: Q,
+    ) -> Self {
+        let place = move |scene: &mut Scene| Ok(template.fill(scene, parameters.clone())?.id());
+        self.with_part::<Kit<Q>>(name, None, Box::new(place))
     }
 
     /// The template with one more part below another part.
@@ -124,20 +140,20 @@ impl<P: Named + Content + Send + Sync> KitTemplate<P> {
         component: C,
     ) -> Self {
         let parent = self.number(parent);
-        self.with_part(name, Some(parent), component)
+        self.with_part::<C>(name, Some(parent), placing(component))
     }
 
     #[track_caller]
-    fn with_part<C: Component + Clone>(
+    fn with_part<C: Component>(
         mut self,
         name: &'static str,
         under: Option<usize>,
-        component: C,
+        add: Box<Place>,
     ) -> Self {
         let is_taken = self.parts.iter().any(|part| part.name == name);
         assert!(!is_taken, "kit {} has a part {name} already", P::NAME);
-        let add = Box::new(move |scene: &mut Scene| scene.add(component.clone()).id());
-        self.parts.push(TemplatePart { name, component: TypeId::of::<C>(), under, add });
+        let (component, kind) = (TypeId::of::<C>(), C::NAME);
+        self.parts.push(TemplatePart { name, component, kind, under, add });
         self
     }
 
@@ -152,18 +168,48 @@ impl<P: Named + Content + Send + Sync> KitTemplate<P> {
         input: &'static str,
         drive: impl Fn(&P, &mut C) + Send + Sync + 'static,
     ) -> Self {
-        let part = self.number(part);
-        let TemplatePart { name, component, .. } = self.parts[part];
-        let is_right = component == TypeId::of::<C>();
-        assert!(is_right, "part {name} of kit {} is no {}", P::NAME, C::NAME);
+        let part = self.number_of::<C>(part);
         let drive = Arc::new(drive);
-        let connect = Box::new(move |scene: &mut Scene, kit: Handle<Kit<P>>, node: NodeId| {
+        self.inputs.push(Box::new(move |scene, kit, nodes| {
             let drive = Arc::clone(&drive);
-            let part = Handle::<C>::new(node);
+            let part = Handle::<C>::new(nodes[part]);
             scene.connect(kit, part, input, move |kit: &Kit<P>, part| drive(&kit.parameters, part))
-        });
-        self.exposed.push(Exposed { part, connect });
+        }));
         self
+    }
+
+    /// The template with one more input of a part driven by another part.
+    ///
+    /// # Panics
+    /// When there is no part of either name, or it is another component.
+    #[track_caller]
+    pub fn wire<A: Component, B: Component + Clone>(
+        mut self,
+        source: &str,
+        target: &str,
+        input: &'static str,
+        drive: impl Fn(&A, &mut B) + Send + Sync + 'static,
+    ) -> Self {
+        let (source, target) = (self.number_of::<A>(source), self.number_of::<B>(target));
+        let drive = Arc::new(drive);
+        self.inputs.push(Box::new(move |scene, _, nodes| {
+            let drive = Arc::clone(&drive);
+            let (source, target) = (Handle::new(nodes[source]), Handle::new(nodes[target]));
+            scene.connect(source, target, input, move |source: &A, target: &mut B| {
+                drive(source, target);
+            })
+        }));
+        self
+    }
+
+    /// The number of a part that must be a `C`.
+    #[track_caller]
+    fn number_of<C: Component>(&self, name: &str) -> usize {
+        let number = self.number(name);
+        let TemplatePart { name, component, kind, .. } = self.parts[number];
+        let is_right = component == TypeId::of::<C>();
+        assert!(is_right, "part {name} of kit {} is a {kind}, no {}", P::NAME, C::NAME);
+        number
     }
 
     #[track_caller]
@@ -173,27 +219,43 @@ impl<P: Named + Content + Send + Sync> KitTemplate<P> {
     }
 
     fn fill(&self, scene: &mut Scene, parameters: P) -> Result<Handle<Kit<P>>, EditError> {
-        let nodes: Vec<NodeId> = self.parts.iter().map(|part| (part.add)(scene)).collect();
-        let names = self.parts.iter().map(|part| part.name);
-        let parts = names.zip(nodes.iter().copied()).collect();
-        let kit = scene.add(Kit { parameters, parts });
-        let join = |scene: &mut Scene| {
-            for (part, node) in self.parts.iter().zip(&nodes) {
-                let parent = part.under.map_or(kit.id(), |under| nodes[under]);
-                scene.append(parent, *node)?;
-            }
-            let mut exposed = self.exposed.iter();
-            exposed.try_for_each(|input| (input.connect)(scene, kit, nodes[input.part]))
-        };
-        let outcome = join(scene);
+        let mut nodes = Vec::with_capacity(self.parts.len());
+        let outcome = self.join(scene, parameters, &mut nodes);
         if outcome.is_err() {
             // Those that were joined go with what they were joined to.
-            for node in nodes.iter().copied().chain([kit.id()]) {
+            for node in nodes {
                 let _ = scene.remove(node);
             }
         }
-        outcome.map(|()| kit)
+        outcome
     }
+
+    /// Places everything and joins it; tells in `nodes` what was placed, whatever comes of it.
+    fn join(
+        &self,
+        scene: &mut Scene,
+        parameters: P,
+        nodes: &mut Vec<NodeId>,
+    ) -> Result<Handle<Kit<P>>, EditError> {
+        for part in &self.parts {
+            nodes.push((part.add)(scene)?);
+        }
+        let names = self.parts.iter().map(|part| part.name);
+        let parts = names.zip(nodes.iter().copied()).collect();
+        let kit = scene.add(Kit { parameters, parts });
+        nodes.push(kit.id());
+        for (part, node) in self.parts.iter().zip(&*nodes) {
+            let parent = part.under.map_or(kit.id(), |under| nodes[under]);
+            scene.append(parent, *node)?;
+        }
+        self.inputs.iter().try_for_each(|connect| connect(scene, kit, nodes))?;
+        Ok(kit)
+    }
+}
+
+/// How a component becomes a part.
+fn placing<C: Component + Clone>(component: C) -> Box<Place> {
+    Box::new(move |scene| Ok(scene.add(component.clone()).id()))
 }
 
 impl<P: Named + Content + Send + Sync> Default for KitTemplate<P> {
@@ -217,13 +279,24 @@ impl Scene {
         self.bulk(|scene| template.fill(scene, parameters))
     }
 
-    /// A handle on a part of a kit, if there is one of this name that is still in the scene and
-    /// holds a `C`.
+    /// A handle on a part of a kit, if there is one of this name that still stands below the kit
+    /// and holds a `C`.
     pub fn part<P: Named + Content + Send + Sync, C: Component>(
         &self,
         kit: Handle<Kit<P>>,
         name: &str,
     ) -> Option<Handle<C>> {
-        self.handle(self.get(kit)?.part(name)?)
+        let part = self.get(kit)?.part(name)?;
+        let mut seen = FixedSet::with_hasher(fixed_state());
+        let mut above: Vec<NodeId> = self.parents(part).collect();
+        while let Some(node) = above.pop() {
+            if node == kit.id() {
+                return self.handle(part);
+            }
+            if seen.insert(node) {
+                above.extend(self.parents(node));
+            }
+        }
+        None
     }
 }

@@ -1,6 +1,5 @@
 //! Running a rule's `init`, and distrusting it.
 
-use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use sapwood_graph::{EnvId, Interrupted};
@@ -9,6 +8,7 @@ use super::cache::Target;
 use super::pull::Pull;
 use super::pushes::Pushes;
 use crate::log::Action;
+use crate::panic::words_of;
 use crate::rules::{Context, Draft, Limits, Memories, RuleError};
 use crate::slots::SlotReader;
 
@@ -104,10 +104,4 @@ impl Pull<'_> {
         );
         Ok(())
     }
-}
-
-pub(super) fn words_of(panic: &(dyn Any + Send)) -> &str {
-    let message = panic.downcast_ref::<&str>().copied();
-    let message = message.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
-    message.unwrap_or("without a message")
 }

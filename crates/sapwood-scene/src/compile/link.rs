@@ -131,6 +131,11 @@ impl Pull<'_> {
             Some(previous) => self.links_like(row, previous),
             None => row.links.iter().map(|_| Link::Unfilled).collect(),
         };
+        let remembers = row.reads.iter().any(|read| read.memory.is_some())
+            || links.iter().any(|link| match link {
+                Link::Site(child) => self.cache.sites[child.0].remembers,
+                Link::Unfilled | Link::Failed(_) => false,
+            });
         let n_live = row.fragment.n_live() as usize;
         let site = SiteId(self.cache.sites.insert(Site {
             plan,
@@ -142,7 +147,7 @@ impl Pull<'_> {
             is_closed: false,
             is_moving: n_live > 0,
             made_at: self.graph.revision,
-            remembers: row.reads.iter().any(|read| read.memory.is_some()),
+            remembers,
             bound: None,
             live: vec![sapwood_geom::glam::Affine3::IDENTITY; n_live].into(),
             visit_error: None,

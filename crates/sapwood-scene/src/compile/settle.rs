@@ -102,7 +102,9 @@ impl Pull<'_> {
 
     fn leave_open(&mut self, site: SiteId) {
         let is_moving = self.is_moving(site);
+        let remembers = self.remembers(site);
         let row = &mut self.cache.sites[site.0];
+        row.remembers = remembers;
         row.is_closed = false;
         row.bound = None;
         row.is_moving = is_moving;

@@ -7,9 +7,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use sapwood_graph::{Diagnostic, SiteId};
 
-use super::init::words_of;
 use super::pull::Pull;
 use crate::log::Action;
+use crate::panic::words_of;
 use crate::rules::VisitContext;
 
 impl Pull<'_> {

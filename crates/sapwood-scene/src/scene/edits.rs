@@ -146,6 +146,9 @@ impl Scene {
     /// Makes a node ask the value sub-graph below `top` for the values that it does not hold
     /// itself, or none any more. The sub-graph belongs to the node as its children do.
     ///
+    /// A component in a sub-graph answers with what it holds. What it is told by a sub-graph of
+    /// its own counts for what it shows, and is not passed on.
+    ///
     /// # Errors
     /// When either is gone, or the edge would close a cycle.
     pub fn set_value_graph(
@@ -165,7 +168,8 @@ impl Scene {
     /// makes it of the fields that its user set. What drove that input before does so no longer.
     ///
     /// Nothing is computed before somebody looks, and nothing twice. A panic of `drive` fails
-    /// the target alone.
+    /// the target, and what the target drives. Several inputs are driven in the order in which they
+    /// were connected first; it is for the caller to give one field one name.
     ///
     /// # Errors
     /// When either is gone, or the target drives the source, by whatever detour.

@@ -20,8 +20,9 @@ impl Scene {
     /// Everything that stands behind a view: components, plans with their reads, and sites with
     /// their keys, as stable text. Each of the three lists has at most `max_lines` lines.
     ///
-    /// What the plans draw is told by [`dump`](Self::dump). Values are told by the first eight digits of their digests: equal ones are equal, and
-    /// where two plans of one component differ, so does one of those.
+    /// What the plans draw is told by [`dump`](Self::dump). Values are told by the first eight
+    /// digits of their digests: equal ones are equal, and where two plans of one component
+    /// differ, so does one of those.
     ///
     /// # Errors
     /// When the view is closed, or compiling was interrupted.

@@ -24,7 +24,7 @@ pub trait Component: Named + Content + Send + Sync {
 
     /// Answers a question for the value of a slot where the component stands in a value
     /// sub-graph: offers what it has and says where the question goes on. It goes on to all
-    /// children unless told otherwise.
+    /// children unless told otherwise. What it would ask a sub-graph of its own is not known here.
     fn answer(&self, question: &mut Question) {
         question.children();
     }

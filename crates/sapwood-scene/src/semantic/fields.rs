@@ -13,6 +13,7 @@ use sapwood_geom::{FixedMap, fixed_state};
 use smallvec::SmallVec;
 
 use super::{Graph, NodeId};
+use crate::panic::words_of;
 use crate::{Component, EditError};
 
 type AnyRef = dyn Any + Send + Sync;
@@ -130,12 +131,17 @@ impl Graph {
         input: &'static str,
         drive: impl Fn(&A, &mut B) + Send + Sync + 'static,
     ) -> Result<(), EditError> {
-        for node in [source, target] {
-            self.node(node)?;
+        if !self.component(source)?.is::<A>() {
+            return Err(EditError::Gone { node: source });
+        }
+        if !self.component(target)?.is::<B>() {
+            return Err(EditError::Gone { node: target });
         }
         if let Some(path) = self.fields.path(target, source) {
             return Err(self.cycle(path));
         }
+        // Who takes over an input takes over its turn.
+        let turn = self.fields.inputs(target).position(|(_, other)| other == input);
         self.fields.disconnect(target, |_, other| other == input);
         let driven = self.fields.driven.entry(target).or_insert_with(|| Driven {
             connections: SmallVec::new(),
@@ -152,7 +158,8 @@ impl Graph {
             }
         });
         let targets = self.fields.drives.entry(source).or_default();
-        driven.connections.push(Connection { source, input, drive, place: targets.len() });
+        let turn = turn.unwrap_or(driven.connections.len());
+        driven.connections.insert(turn, Connection { source, input, drive, place: targets.len() });
         targets.push((target, input));
         self.touch(target);
         Ok(())
@@ -244,7 +251,12 @@ impl Graph {
     /// Computes a driven component from those that drive it, which are computed already.
     fn driven_component(&self, id: NodeId, driven: &Driven) -> Result<Box<AnyRef>, String> {
         let own = self.component(id).map_err(|error| error.to_string())?;
-        let mut component = (driven.copy)(own);
+        let caught = |input: &str, panic: Box<dyn Any + Send>| {
+            format!("what drives input {input} panicked: {}", words_of(&*panic))
+        };
+        let copy = catch_unwind(AssertUnwindSafe(|| (driven.copy)(own)));
+        let mut component =
+            copy.map_err(|panic| format!("its copying panicked: {}", words_of(&*panic)))?;
         for Connection { source, input, drive, .. } in &driven.connections {
             let known = self.fields.driven.get(source).and_then(|row| row.effective.get());
             let source = match known {
@@ -253,7 +265,7 @@ impl Graph {
                 Some(Err(message)) => return Err(message.clone()),
             };
             catch_unwind(AssertUnwindSafe(|| drive(source, &mut *component)))
-                .map_err(|_| format!("what drives input {input} panicked"))?;
+                .map_err(|panic| caught(input, panic))?;
         }
         Ok(component)
     }

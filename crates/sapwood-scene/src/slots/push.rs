@@ -7,7 +7,8 @@ use super::{Held, Slot, SlotKey};
 /// How a push stands against what is inherited.
 ///
 /// It is resolved where it stands: whoever is below sees one value, whatever the pushes above
-/// it were.
+/// it were. Forcing [`Placement`](crate::Placement) changes what is read of it, not where
+/// things are drawn: that is up to transforms.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum PushMode {
     /// Holds below, unless what is inherited was forced.
