@@ -72,6 +72,8 @@ pub(crate) struct Site {
     pub(crate) view: u32,
     /// Sorted by slot.
     pub(crate) key: Vec<(SlotKey, Digest)>,
+    /// Grows whenever the key does, or shrinks.
+    pub(crate) key_number: u32,
     /// The hashes under which the site is indexed.
     pub(crate) indices: SmallVec<[u64; 2]>,
     pub(crate) links: SmallVec<[Link; 1]>,
@@ -96,10 +98,15 @@ pub(crate) struct Site {
     pub(crate) visited_tick: u64,
 }
 
+/// The number of no key: a link whose site was not found to fit yet.
+pub(crate) const NOT_CHECKED: u32 = u32::MAX;
+
 /// What stands behind a link.
 pub(crate) enum Link {
     Unfilled,
-    Site(SiteId),
+    /// A site, and which of its keys was found to fit when the site above was closed last: as
+    /// long as it has that key it fits wherever the site above does.
+    Site(SiteId, u32),
     /// Nothing, for a reason found at a revision; it holds until something above is newer.
     Failed(Box<(Diagnostic, u64)>),
 }
@@ -270,6 +277,7 @@ impl Cache {
             plan,
             view,
             key: Vec::new(),
+            key_number: 0,
             indices: SmallVec::new(),
             links: smallvec::smallvec![Link::Unfilled],
             verified: 0,

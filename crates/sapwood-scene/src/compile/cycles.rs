@@ -60,7 +60,7 @@ impl Pull<'_> {
         ring.extend(part);
         for site in part {
             for link in 0..self.cache.sites[site.0].links.len() {
-                let Link::Site(child) = self.cache.sites[site.0].links[link] else { continue };
+                let Link::Site(child, _) = self.cache.sites[site.0].links[link] else { continue };
                 if ring.contains(&child) {
                     let kind = self.cache.kind_of(self.cache.plan_of(child));
                     let message = "the component contains itself with nothing changed".to_owned();

@@ -21,7 +21,7 @@ impl Cache {
         while let Some(site) = stack.pop() {
             if sites.insert(site.0) {
                 for link in &self.sites[site.0].links {
-                    if let Link::Site(child) = link {
+                    if let Link::Site(child, _) = link {
                         stack.push(*child);
                     }
                 }

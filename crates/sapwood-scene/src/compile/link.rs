@@ -4,7 +4,7 @@ use sapwood_geom::{Digest, FixedMap, fixed_state};
 use sapwood_graph::{Diagnostic, EnvId, Interrupted, Kind, SiteId, Supplied, Supply, Want};
 use smallvec::SmallVec;
 
-use super::cache::{Link, Plan, Site, Target};
+use super::cache::{Link, NOT_CHECKED, Plan, Site, Target};
 use super::pull::Pull;
 use super::pushes::Pushes;
 use crate::slots::{Environments, SlotKey};
@@ -23,7 +23,7 @@ impl Pull<'_> {
             Supplied::Ready(_) | Supplied::Failed(_) => return Ok(()),
             Supplied::Previous(_) | Supplied::Foreseen(_) | Supplied::Unknown => {
                 match &self.cache.sites[site.0].links[link as usize] {
-                    Link::Site(previous) => Some(*previous),
+                    Link::Site(previous, _) => Some(*previous),
                     Link::Unfilled | Link::Failed(_) => None,
                 }
             }
@@ -42,7 +42,7 @@ impl Pull<'_> {
         let child = self.child(target, child_env, previous)?;
         match child {
             Ok(child) => {
-                self.cache.sites[site.0].links[link as usize] = Link::Site(child);
+                self.cache.sites[site.0].links[link as usize] = Link::Site(child, NOT_CHECKED);
                 self.grow(child_env);
                 if self.cache.sites[child.0].is_moving {
                     self.note_above(child_env, |site| std::mem::replace(&mut site.is_moving, true));
@@ -63,7 +63,7 @@ impl Pull<'_> {
     pub(super) fn let_go(&mut self, wants: &[Want]) {
         for want in wants {
             let link = &mut self.cache.sites[want.site.0].links[want.link as usize];
-            if let Link::Site(_) = link {
+            if let Link::Site(..) = link {
                 *link = Link::Unfilled;
                 self.cache.sites[want.site.0].is_closed = false;
             }
@@ -133,7 +133,7 @@ impl Pull<'_> {
         };
         let remembers = row.reads.iter().any(|read| read.memory.is_some())
             || links.iter().any(|link| match link {
-                Link::Site(child) => self.cache.sites[child.0].remembers,
+                Link::Site(child, _) => self.cache.sites[child.0].remembers,
                 Link::Unfilled | Link::Failed(_) => false,
             });
         let n_live = row.fragment.n_live() as usize;
@@ -141,6 +141,7 @@ impl Pull<'_> {
             plan,
             view: self.number,
             key,
+            key_number: 0,
             indices: SmallVec::new(),
             links,
             verified: 0,
@@ -164,7 +165,7 @@ impl Pull<'_> {
     fn links_like(&self, plan: &Plan, previous: SiteId) -> SmallVec<[Link; 1]> {
         let old = &self.cache.plan_of(previous).links;
         let filled = |place: usize| match &self.cache.sites[previous.0].links[place] {
-            Link::Site(site) => Link::Site(*site),
+            Link::Site(site, _) => Link::Site(*site, NOT_CHECKED),
             Link::Unfilled | Link::Failed(_) => Link::Unfilled,
         };
         let mut moved: Option<FixedMap<(Target, u64), usize>> = None;
@@ -190,7 +191,7 @@ impl Pull<'_> {
         let mut at = env;
         let mut expected = None;
         while let Some(above) = self.environments().above(at) {
-            let Link::Site(child) = self.cache.sites[above.site.0].links[above.link as usize]
+            let Link::Site(child, _) = self.cache.sites[above.site.0].links[above.link as usize]
             else {
                 return;
             };
@@ -209,12 +210,13 @@ impl Pull<'_> {
                 return;
             }
             let grown = self.digests(above.env, missing.iter().copied());
-            let key = &mut self.cache.sites[above.site.0].key;
+            let row = &mut self.cache.sites[above.site.0];
             for (slot, digest) in grown {
-                if let Err(place) = key.binary_search_by_key(&slot, |(slot, _)| *slot) {
-                    key.insert(place, (slot, digest));
+                if let Err(place) = row.key.binary_search_by_key(&slot, |(slot, _)| *slot) {
+                    row.key.insert(place, (slot, digest));
                 }
             }
+            row.key_number += 1;
             expected = Some(above.site);
             at = above.env;
         }

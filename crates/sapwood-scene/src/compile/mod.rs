@@ -21,5 +21,5 @@ mod resolve;
 mod settle;
 mod visit;
 
-pub(crate) use cache::{Cache, Link, Site, Target};
+pub(crate) use cache::{Cache, Link, NOT_CHECKED, Site, Target};
 pub(crate) use pull::Pull;

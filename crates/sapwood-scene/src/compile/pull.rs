@@ -43,8 +43,7 @@ impl<'a> Pull<'a> {
         cache.resolve_kinds(view, graph);
         let viewer = view.moving.get(&TypeId::of::<Viewer>());
         let eye = viewer.and_then(|viewer| *viewer.typed::<Viewer>());
-        let mut environments = Environments::new();
-        environments.clear(view.forced());
+        let environments = Environments::new(view.forced());
         let mut pull = Self {
             graph,
             cache,
@@ -174,9 +173,11 @@ impl Supply for Pull<'_> {
                 Some(bound) => (env, Supplied::Foreseen(bound)),
                 None => (env, Supplied::Unknown),
             },
-            Link::Site(child) => {
+            Link::Site(child, checked) => {
                 let Standing { is_current, is_settled } = self.standing(*child);
-                if is_current && is_settled && self.cache.sites[child.0].key.is_empty() {
+                let row = &self.cache.sites[child.0];
+                let fits = row.key.is_empty() || row.key_number == *checked;
+                if is_current && is_settled && fits {
                     return (env, Supplied::Ready(*child));
                 }
                 // Below a settled site everything was found right when it was settled.

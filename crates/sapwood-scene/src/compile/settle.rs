@@ -81,13 +81,14 @@ impl Pull<'_> {
     /// The sites behind a site's links.
     pub(super) fn linked(&self, site: SiteId) -> impl Iterator<Item = SiteId> + '_ {
         self.cache.sites[site.0].links.iter().filter_map(|link| match link {
-            Link::Site(child) => Some(*child),
+            Link::Site(child, _) => Some(*child),
             Link::Unfilled | Link::Failed(_) => None,
         })
     }
 
     fn close(&mut self, site: SiteId) {
         self.make_key_exact(site);
+        self.note_checked(site);
         let bound = self.bound_of(site);
         let is_moving = self.is_moving(site);
         let remembers = self.remembers(site);
@@ -111,12 +112,23 @@ impl Pull<'_> {
         self.cache.counts.forget(site);
     }
 
+    /// Notes at each link which key of the site behind it was found to fit.
+    fn note_checked(&mut self, site: SiteId) {
+        let mut links = std::mem::take(&mut self.cache.sites[site.0].links);
+        for link in &mut links {
+            if let Link::Site(child, checked) = link {
+                *checked = self.cache.sites[child.0].key_number;
+            }
+        }
+        self.cache.sites[site.0].links = links;
+    }
+
     /// The bound of a site from those of its children.
     pub(super) fn bound_of(&self, site: SiteId) -> Option<Bound> {
         let row = &self.cache.sites[site.0];
         let fragment = &self.cache.plans[row.plan].fragment;
         fragment_bound(fragment, &row.live, |link| match &row.links[link as usize] {
-            Link::Site(child) => self.cache.sites[child.0].bound,
+            Link::Site(child, _) => self.cache.sites[child.0].bound,
             Link::Failed(_) => Some(Bound::EMPTY),
             Link::Unfilled => None,
         })
@@ -143,7 +155,7 @@ impl Pull<'_> {
         let is_read = |slot| {
             own.binary_search(&slot).is_ok()
                 || row.links.iter().enumerate().any(|(link, child)| match child {
-                    Link::Site(child) => {
+                    Link::Site(child, _) => {
                         let key = &self.cache.sites[child.0].key;
                         let lifted = |(below, _): &(SlotKey, _)| {
                             pushes.lifted(site, link as u32, *below).contains(&slot)
@@ -156,6 +168,7 @@ impl Pull<'_> {
         let exact: Vec<_> = row.key.iter().copied().filter(|(slot, _)| is_read(*slot)).collect();
         if exact.len() < row.key.len() {
             self.cache.sites[site.0].key = exact;
+            self.cache.sites[site.0].key_number += 1;
         }
         self.enlist_site(site);
     }

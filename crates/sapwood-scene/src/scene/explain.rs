@@ -133,7 +133,7 @@ impl Met {
                 met.plan_numbers.insert(row.plan, met.plans.len());
             }
             stack.extend(row.links.iter().rev().filter_map(|link| match link {
-                Link::Site(child) => Some(*child),
+                Link::Site(child, _) => Some(*child),
                 Link::Unfilled | Link::Failed(_) => None,
             }));
         }
@@ -223,7 +223,7 @@ fn site_line(met: &Met, number: usize, row: &Site) -> String {
         .links
         .iter()
         .filter_map(|link| match link {
-            Link::Site(child) => met.site_numbers.get(child).copied(),
+            Link::Site(child, _) => met.site_numbers.get(child).copied(),
             Link::Unfilled | Link::Failed(_) => None,
         })
         .collect();

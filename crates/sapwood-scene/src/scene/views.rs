@@ -4,6 +4,7 @@ use sapwood_geom::{FixedMap, fixed_state};
 use sapwood_graph::SiteId;
 
 use super::Scene;
+use crate::compile::{Link, NOT_CHECKED};
 use crate::slots::{SlotKey, SlotValue};
 use crate::view::{RootValue, View};
 use crate::{
@@ -130,7 +131,14 @@ impl Scene {
         }
         view.values_since = revision;
         let root_site = view.root_site;
-        self.cache.sites[root_site.0].key.clear();
+        // Its key says nothing of the new values, so its link is checked again.
+        let root = &mut self.cache.sites[root_site.0];
+        root.key.clear();
+        for link in &mut root.links {
+            if let Link::Site(_, checked) = link {
+                *checked = NOT_CHECKED;
+            }
+        }
         Ok(())
     }
 

@@ -32,8 +32,8 @@ pub(crate) struct Above {
 /// Slots whose values are forced, sorted.
 pub(crate) type ForcedSlots = SmallVec<[SlotKey; 2]>;
 
-/// The number of the empty set of forced slots.
-const NOTHING_FORCED: u32 = 0;
+/// The number of no set: nothing is forced.
+const NOTHING_FORCED: u32 = u32::MAX;
 
 /// What environments need to know of a link.
 #[derive(Clone, Copy)]
@@ -78,20 +78,20 @@ pub(crate) struct Environments {
     /// The values known of each environment; few, for rules read few slots.
     values: Vec<SmallVec<[(SlotKey, SlotValue); 4]>>,
     entered: FixedMap<(EnvId, SiteId, u32), EnvId>,
-    /// The sets of forced slots: none, those of the root, and those behind links that force or
-    /// protect.
+    /// The sets of forced slots, none of them empty: those of the root, and those behind links
+    /// that force or protect.
     forced: Vec<ForcedSlots>,
 }
 
 impl Environments {
-    pub(crate) fn new() -> Self {
+    pub(crate) fn new(forced: ForcedSlots) -> Self {
         let mut new = Self {
             above: Vec::new(),
             values: Vec::new(),
             forced: Vec::new(),
             entered: FixedMap::with_hasher(fixed_state()),
         };
-        new.clear(ForcedSlots::new());
+        new.clear(forced);
         new
     }
 
@@ -105,9 +105,10 @@ impl Environments {
         let nowhere = SiteId(u32::MAX);
         let root = EnvId(ROOT);
         self.forced.clear();
-        self.forced.push(ForcedSlots::new());
-        let root_forced = if forced.is_empty() { NOTHING_FORCED } else { 1 };
-        self.forced.push(forced);
+        let root_forced = if forced.is_empty() { NOTHING_FORCED } else { 0 };
+        if !forced.is_empty() {
+            self.forced.push(forced);
+        }
         self.above.push(Above {
             env: root,
             site: nowhere,
@@ -134,8 +135,14 @@ impl Environments {
             let new = u32::try_from(above.len()).expect("a pass meets fewer than 2^32 places");
             let Above { n_emitted, pushed, mut forced, .. } = above[env.0 as usize];
             if link.forces {
-                sets.push(pushes.forced(site, link.number, sets[forced as usize].clone()));
-                forced = sets.len() as u32 - 1;
+                let above = sets.get(forced as usize).cloned().unwrap_or_default();
+                let behind = pushes.forced(site, link.number, above);
+                if behind.is_empty() {
+                    forced = NOTHING_FORCED;
+                } else {
+                    forced = sets.len() as u32;
+                    sets.push(behind);
+                }
             }
             above.push(Above {
                 env,
@@ -166,8 +173,8 @@ impl Environments {
     }
 
     /// The slots that are forced in an environment.
-    fn forced(&self, env: EnvId) -> &ForcedSlots {
-        &self.forced[self.above[env.0 as usize].forced as usize]
+    fn forced(&self, env: EnvId) -> &[SlotKey] {
+        self.forced.get(self.above[env.0 as usize].forced as usize).map_or(&[], |set| set)
     }
 
     /// Whether a slot is forced in an environment.
@@ -177,7 +184,7 @@ impl Environments {
 
     /// The digest of everything that is forced in an environment, as far as `all` stands for it.
     fn forced_digest(&mut self, pushes: &dyn LinkPushes, env: EnvId, all: SlotKey) -> Digest {
-        let mut forced = self.forced(env).clone();
+        let mut forced = ForcedSlots::from(self.forced(env));
         forced.retain(|slot| forced_against(*slot) == all);
         if forced.is_empty() {
             return Digest::from_bits(0);

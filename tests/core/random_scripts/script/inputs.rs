@@ -108,9 +108,14 @@ impl Script {
     }
 
     fn note_wire(&mut self, source: usize, target: usize, drive: Drive) {
+        let new = Wire { source, target, drive };
         let wires = &mut self.mirror.wires;
-        wires.retain(|wire| wire.target != target || wire.drive.input != drive.input);
-        wires.push(Wire { source, target, drive });
+        let is_same = |wire: &&mut Wire| wire.target == target && wire.drive.input == drive.input;
+        match wires.iter_mut().find(is_same) {
+            // Who takes over an input takes over its turn.
+            Some(wire) => *wire = new,
+            None => wires.push(new),
+        }
     }
 
     fn check_inputs(&self, target: usize) {
