@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use sapwood::geom::glam::{Affine3, Vec3};
-use sapwood::geom::{Bound, Digester, Image, Mesh, Polyline, Shared, SharedMesh, content};
+use sapwood::geom::{Bound, Digester, Image, Mesh, Polyline, Ray, Shared, SharedMesh, content};
 use sapwood::graph::{
-    Alpha, Camera, Facing, Label, Lens, Light, LightShape, Material, Named, Part, Severity, Shown,
+    Alpha, Camera, Facing, Label, Lens, Light, LightShape, Material, Named, Part, PickOptions,
+    Severity, Shown,
 };
 use sapwood::rules::weber_penn::{Seed, Tree};
 use sapwood::scene::{Component, Context, Group, Rule, RuleError, RuleSet, Scene};
@@ -79,16 +80,16 @@ fn broken(change: impl FnOnce(&mut Mesh)) -> SharedMesh {
 #[test]
 fn faults_of_meshes_are_found() {
     check("", |cx| cx.mesh(broken(|_| {}), stone()));
-    check("error: planted at 0/1: mesh: index 7 of 3 vertices", |cx| {
+    check("error: planted at 0/1: mesh: a triangle uses vertex 7 of 3", |cx| {
         cx.mesh(broken(|mesh| mesh.indices[1] = 7), stone());
     });
-    check("error: planted at 0/1: mesh: 2 indices are not triangles", |cx| {
+    check("error: planted at 0/1: mesh: a mesh has indices that are no triangle", |cx| {
         cx.mesh(broken(|mesh| mesh.indices.truncate(2)), stone());
     });
-    check("error: planted at 0/1: mesh: vertex 2: ", |cx| {
+    check("error: planted at 0/1: mesh: the normal of vertex 2 is", |cx| {
         cx.mesh(broken(|mesh| mesh.normals[2] *= 1.1), stone());
     });
-    check("error: planted at 0/1: mesh: vertex 0: ", |cx| {
+    check("error: planted at 0/1: mesh: the position of vertex 0 is", |cx| {
         cx.mesh(broken(|mesh| mesh.positions[0].y = f32::NAN), stone());
     });
     check("error: planted at 0/1: mesh: 3 positions, 3 normals, 2 texture", |cx| {
@@ -203,5 +204,35 @@ fn trees_are_sound() {
             let report = scene.verify(view, 10).unwrap();
             assert!(report.is_clean(), "{name}: {report}");
         }
+    }
+}
+
+#[test]
+fn an_unsound_mesh_of_a_rule_is_an_error_and_harms_nobody_else() {
+    let draws: [Draw; 4] = [
+        |cx| cx.mesh(broken(|mesh| mesh.indices = vec![0, 1, 7]), stone()),
+        |cx| cx.mesh(broken(|mesh| mesh.normals.truncate(1)), stone()),
+        |cx| cx.mesh(broken(|mesh| mesh.uvs.clear()), stone()),
+        |cx| {
+            let places = Shared::new(vec![Affine3::IDENTITY]);
+            cx.instances(broken(|mesh| mesh.indices = vec![0, 1, 7]), stone(), places);
+            cx.shows(Shown::each::<Nail>());
+        },
+    ];
+    for draw in draws {
+        let mut scene = Scene::new();
+        let root = scene.add(Group);
+        scene.add_to(root, Planted).unwrap();
+        scene.add_to(root, Plain { size: 1.0 }).unwrap();
+        let rules = RuleSet::new().with(PlantedRule(0, draw)).over(&rules());
+        let view = scene.open_view(root, &rules).unwrap();
+        let ray = Ray::new(Vec3::new(0.2, 0.2, 3.0), Vec3::NEG_Z);
+        let hit = scene.pick(view, &ray, &PickOptions::default()).unwrap().unwrap();
+        assert_eq!(hit.path, [0, 1]);
+        let list = scene.draw_list(view, 10).unwrap().with_smooth_normals(1.0);
+        assert_eq!(list.n_vertices_and_triangles().1, 1);
+        let found = scene.diagnostics(view, 10).unwrap();
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!(found[0].1.message.starts_with("mesh: "), "{found:?}");
     }
 }

@@ -66,12 +66,9 @@ impl Mesh {
         }
     }
 
-    /// The first fault found, in words, or nothing: lengths agree, indices are in range,
-    /// everything is finite, normals have unit length and no triangle is degenerate.
-    ///
-    /// A triangle is degenerate when two of its corners are the same vertex or its height over
-    /// its longest edge is below a millionth of that edge.
-    pub fn fault(&self) -> Option<String> {
+    /// Why nobody could draw or pick the mesh, in words, or nothing where it is sound: lengths
+    /// agree, indices come in threes and are in range, and everything is finite.
+    pub fn unsound(&self) -> Option<String> {
         let n = self.positions.len();
         if self.normals.len() != n || self.uvs.len() != n {
             return Some(format!(
@@ -81,20 +78,34 @@ impl Mesh {
             ));
         }
         if !self.indices.len().is_multiple_of(3) {
-            return Some(format!("{} indices are not triangles", self.indices.len()));
+            return Some("a mesh has indices that are no triangle".to_owned());
         }
         if let Some(index) = self.indices.iter().find(|index| **index as usize >= n) {
-            return Some(format!("index {index} of {n} vertices"));
+            return Some(format!("a triangle uses vertex {index} of {n}"));
         }
-        for i in 0..n {
-            let finite = self.positions[i].is_finite() && self.uvs[i].is_finite();
-            let unit = (self.normals[i].length() - 1.0).abs() <= 1e-3;
-            if !(finite && unit) {
-                return Some(format!(
-                    "vertex {i}: {} {} {}",
-                    self.positions[i], self.normals[i], self.uvs[i]
-                ));
-            }
+        if let Some(i) = self.positions.iter().position(|position| !position.is_finite()) {
+            return Some(format!("the position of vertex {i} is {}", self.positions[i]));
+        }
+        if let Some(i) = self.normals.iter().position(|normal| !normal.is_finite()) {
+            return Some(format!("the normal of vertex {i} is {}", self.normals[i]));
+        }
+        let i = self.uvs.iter().position(|uv| !uv.is_finite())?;
+        Some(format!("the texture coordinate of vertex {i} is {}", self.uvs[i]))
+    }
+
+    /// The first fault found, in words, or nothing: the mesh is [sound](Self::unsound), normals
+    /// have unit length and no triangle is degenerate.
+    ///
+    /// A triangle is degenerate when two of its corners are the same vertex or its height over
+    /// its longest edge is below a millionth of that edge.
+    pub fn fault(&self) -> Option<String> {
+        if let Some(fault) = self.unsound() {
+            return Some(fault);
+        }
+        let is_unit = |normal: &Vec3| (normal.length() - 1.0).abs() <= 1e-3;
+        if let Some(i) = self.normals.iter().position(|normal| !is_unit(normal)) {
+            let normal = self.normals[i];
+            return Some(format!("the normal of vertex {i} is {normal}, not of length 1"));
         }
         self.indices.chunks_exact(3).enumerate().find_map(|(number, t)| {
             self.is_degenerate([t[0], t[1], t[2]]).then(|| {
@@ -150,6 +161,8 @@ pub struct SharedMesh(Shared<Bounded>);
 struct Bounded {
     mesh: Mesh,
     bound: Bound,
+    /// Found out when somebody asks for the first time.
+    unsound: OnceLock<Option<String>>,
     /// Made when a ray comes by for the first time.
     bvh: OnceLock<MeshBvh>,
 }
@@ -164,7 +177,8 @@ impl SharedMesh {
     /// Shares a finished mesh; costs one pass over its positions.
     pub fn new(mesh: Mesh) -> Self {
         let bound = mesh.bound();
-        Self(Shared::new(Bounded { mesh, bound, bvh: OnceLock::new() }))
+        let (unsound, bvh) = (OnceLock::new(), OnceLock::new());
+        Self(Shared::new(Bounded { mesh, bound, unsound, bvh }))
     }
 
     /// The bound of all positions.
@@ -172,7 +186,12 @@ impl SharedMesh {
         &self.0.bound
     }
 
-    /// The tree of the mesh's triangles; the first call makes it.
+    /// As [`Mesh::unsound`]; the first call finds it out.
+    pub fn unsound(&self) -> Option<&str> {
+        self.0.unsound.get_or_init(|| self.0.mesh.unsound()).as_deref()
+    }
+
+    /// The tree of the mesh's triangles, which must be sound; the first call makes it.
     pub fn bvh(&self) -> &MeshBvh {
         self.0.bvh.get_or_init(|| MeshBvh::new(&self.0.mesh))
     }
@@ -223,12 +242,26 @@ mod tests {
     fn faults_are_named() {
         let mut mesh = triangle();
         mesh.indices[2] = 3;
-        assert_eq!(mesh.fault().as_deref(), Some("index 3 of 3 vertices"));
+        assert_eq!(mesh.fault().as_deref(), Some("a triangle uses vertex 3 of 3"));
         let mut mesh = triangle();
         mesh.positions[2] = Vec3::new(2.0, 0.0, 0.0);
         assert!(mesh.fault().is_some_and(|fault| fault.contains("degenerate")));
         let mut mesh = triangle();
         mesh.normals[1] = Vec3::NAN;
-        assert!(mesh.fault().is_some_and(|fault| fault.starts_with("vertex 1")));
+        assert!(mesh.fault().is_some_and(|fault| fault.starts_with("the normal of vertex 1")));
+    }
+
+    #[test]
+    fn a_mesh_with_faults_that_harm_nobody_is_sound() {
+        let mut mesh = triangle();
+        mesh.positions[2] = Vec3::new(2.0, 0.0, 0.0);
+        mesh.normals[1] = Vec3::ZERO;
+        assert_eq!(mesh.unsound(), None);
+        mesh.normals[1] = Vec3::INFINITY;
+        assert!(mesh.unsound().is_some_and(|fault| fault.starts_with("the normal of vertex 1")));
+        mesh.normals.pop();
+        let fault = mesh.unsound();
+        assert_eq!(SharedMesh::new(mesh).unsound(), fault.as_deref());
+        assert_eq!(fault.as_deref(), Some("3 positions, 2 normals, 3 texture coordinates"));
     }
 }

@@ -16,17 +16,14 @@ impl Mesh {
     /// estimates it. Vertices stay where they are, and those that are left keep their normals
     /// and texture coordinates.
     ///
-    /// A mesh whose indices are out of range or whose positions are not finite stays as it is.
+    /// A mesh that is not [sound](Self::unsound) stays as it is, and so does every mesh where one
+    /// of the limits is no number: that allows nothing.
     pub fn simplified(&self, how: &Simplify) -> (Mesh, f32) {
         let n = self.n_triangles();
         let wanted = (f64::from(how.ratio.clamp(0.0, 1.0)) * n as f64) as usize;
-        let n_vertices = self.n_vertices();
-        let is_sound = self.indices.len().is_multiple_of(3)
-            && self.indices.iter().all(|index| (*index as usize) < n_vertices)
-            && self.positions.iter().all(|position| position.is_finite())
-            && [self.normals.len(), self.uvs.len()] == [n_vertices; 2];
         // No number allows nothing.
-        if wanted >= n || !is_sound || how.max_error.is_nan() || how.max_error <= 0.0 {
+        let allows = !how.ratio.is_nan() && how.max_error > 0.0;
+        if wanted >= n || !allows || self.unsound().is_some() {
             return (self.clone(), 0.0);
         }
         let positions: Vec<[f32; 3]> = self.positions.iter().map(|p| p.to_array()).collect();
@@ -112,6 +109,14 @@ mod tests {
         assert!(distance_from_sphere(&coarse) <= 0.03);
         let (same, error) = fine.simplified(&Simplify { ratio: 1.0, max_error: 0.01 });
         assert_eq!((same, error), (fine, 0.0));
+    }
+
+    #[test]
+    fn a_limit_that_is_no_number_allows_nothing() {
+        let fine = sphere(3);
+        for (ratio, max_error) in [(f32::NAN, 1.0), (0.1, f32::NAN)] {
+            assert_eq!(fine.simplified(&Simplify { ratio, max_error }), (fine.clone(), 0.0));
+        }
     }
 
     #[test]

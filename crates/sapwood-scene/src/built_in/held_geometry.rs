@@ -44,8 +44,9 @@ impl Rule for HeldGeometryRule {
     const NAME: &'static str = "held_geometry";
 
     fn init(&self, held: &HeldGeometry, cx: &mut Context<'_>) -> Result<(), RuleError> {
-        if let Some(fault) = fault(&held.mesh) {
-            return Err(RuleError::Failed(fault));
+        // Edges are made of the mesh before the context sees it.
+        if let Some(why) = held.mesh.unsound() {
+            return Err(RuleError::Failed(why.to_owned()));
         }
         match *cx.read::<StyleSlot>() {
             Style::Solid => {
@@ -59,21 +60,4 @@ impl Rule for HeldGeometryRule {
         }
         Ok(())
     }
-}
-
-/// What nobody could draw or pick, in words. Degenerate triangles are harmless.
-fn fault(mesh: &Mesh) -> Option<String> {
-    let n = mesh.n_vertices();
-    if mesh.normals.len() != n || mesh.uvs.len() != n {
-        let (normals, uvs) = (mesh.normals.len(), mesh.uvs.len());
-        return Some(format!("{n} positions, {normals} normals, {uvs} texture coordinates"));
-    }
-    if !mesh.indices.len().is_multiple_of(3) {
-        return Some(format!("{} indices are not triangles", mesh.indices.len()));
-    }
-    if let Some(index) = mesh.indices.iter().find(|index| **index as usize >= n) {
-        return Some(format!("index {index} of {n} vertices"));
-    }
-    let vertex = mesh.positions.iter().position(|position| !position.is_finite())?;
-    Some(format!("vertex {vertex} at {}", mesh.positions[vertex]))
 }

@@ -36,6 +36,8 @@ pub struct Context<'a> {
     n_emitted: u64,
     /// The first interruption that the rule was told of, or that ended emitting.
     interrupted: Option<Interrupted>,
+    /// Why the first mesh that nobody could draw or pick is none.
+    unsound: Option<String>,
     scope: u32,
     fragment: FragmentBuilder,
     draft: DraftTables,
@@ -108,6 +110,7 @@ impl<'a> Context<'a> {
             n_parts: 0,
             n_emitted: 0,
             interrupted: None,
+            unsound: None,
             scope: NO_SCOPE,
             fragment: FragmentBuilder::new(),
             draft: DraftTables::default(),
@@ -127,8 +130,11 @@ impl<'a> Context<'a> {
         self.interrupted.take()
     }
 
-    /// The draft of what the rule made.
-    pub(crate) fn into_draft(self, data: Box<dyn Any + Send + Sync>) -> Draft {
+    /// The draft of what the rule made; an error where one of its meshes is not sound.
+    pub(crate) fn into_draft(mut self, data: Box<dyn Any + Send + Sync>) -> Draft {
+        if let Some(why) = self.unsound.take() {
+            return self.into_error(why);
+        }
         let slots = self.slots.into_slots();
         let fragment = self.fragment.finish();
         Draft { fragment, tables: self.draft, data: Some(data), slots, error: None }
@@ -308,19 +314,28 @@ impl<'a> Context<'a> {
         self.scope = outer;
     }
 
-    /// Adds a mesh.
+    /// Adds a mesh. The component becomes an error where it is not [sound](SharedMesh::unsound).
     pub fn mesh(&mut self, mesh: SharedMesh, material: Arc<Material>) {
+        self.check_sound(&mesh);
         self.fragment.mesh(mesh, material);
     }
 
-    /// Adds a mesh repeated at each of `transforms`.
+    /// Adds a mesh repeated at each of `transforms`. The component becomes an error where the mesh
+    /// is not [sound](SharedMesh::unsound).
     pub fn instances(
         &mut self,
         mesh: SharedMesh,
         material: Arc<Material>,
         transforms: Shared<Vec<Affine3>>,
     ) {
+        self.check_sound(&mesh);
         self.fragment.instances(mesh, material, transforms);
+    }
+
+    fn check_sound(&mut self, mesh: &SharedMesh) {
+        if self.unsound.is_none() {
+            self.unsound = mesh.unsound().map(|why| format!("mesh: {why}"));
+        }
     }
 
     /// Adds lines.
