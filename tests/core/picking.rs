@@ -10,7 +10,8 @@ use sapwood::graph::{
 };
 use sapwood::rules::weber_penn::{Leaf, Seed, Stem, Tree, leaf_mesh};
 use sapwood::scene::{
-    Component, Context, Group, HeldGeometry, Rule, RuleError, RuleSet, Scene, Transform, ViewId,
+    Component, Context, Group, HeldGeometry, NodeId, Rule, RuleError, RuleSet, Scene, Transform,
+    ViewId,
 };
 
 use super::kinds::*;
@@ -392,4 +393,67 @@ fn rays_that_are_none_meet_nothing() {
         assert_eq!(scene.pick(view, &ray.between(min, max), &options).unwrap(), None);
     }
     assert_eq!(all_compiled(&mut scene), []);
+}
+
+/// Groups that each hold the next one twice, the second time so many metres away; one triangle
+/// at the bottom. The top one.
+fn diamonds(scene: &mut Scene, n_levels: i32, away: fn(i32) -> f32) -> NodeId {
+    let mut below: NodeId = scene.add(Plain { size: 0.5 }).id();
+    for level in 0..n_levels {
+        let both = scene.add(Group);
+        for x in [0.0, away(level)] {
+            let place = scene.add(Transform(Affine3::from_translation(Vec3::X * x)));
+            scene.append(place, below).unwrap();
+            scene.append(both, place).unwrap();
+        }
+        below = both.id();
+    }
+    below
+}
+
+#[test]
+fn picking_below_forty_shared_levels_comes_by_each_once() {
+    for away in [|_| 0.0, |level| (1u32 << level.min(20)) as f32, |_| 1.0] as [fn(i32) -> f32; 3] {
+        let mut scene = Scene::new();
+        let top = diamonds(&mut scene, 40, away);
+        let view = scene.open_view(top, &rules()).unwrap();
+        let options = PickOptions { most_occurrences: 20_000, ..PickOptions::default() };
+        let ray = Ray::new(Vec3::new(0.125, 0.125, 3.0), Vec3::NEG_Z);
+        let hit = scene.pick(view, &ray, &options).unwrap().unwrap();
+        assert_eq!(hit.path, vec![0; 81]);
+        assert_eq!(scene.pick(view, &ray, &options).unwrap(), Some(hit));
+    }
+}
+
+#[test]
+fn a_pick_that_comes_by_too_many_places_ends_as_an_error() {
+    let mut scene = Scene::new();
+    let top = diamonds(&mut scene, 40, |_| 0.0);
+    let view = scene.open_view(top, &rules()).unwrap();
+    let options = PickOptions { most_occurrences: 20, ..PickOptions::default() };
+    let ray = Ray::new(Vec3::new(0.125, 0.125, 3.0), Vec3::NEG_Z);
+    let error = scene.pick(view, &ray, &options).unwrap_err();
+    assert!(error.to_string().contains("more than 20 occurrences"), "{error}");
+}
+
+#[test]
+fn a_shared_thing_is_met_at_its_first_place_though_a_later_one_is_come_by_before() {
+    let mut scene = checked_scene();
+    let root = scene.add(Group);
+    let shared = scene.add(Plain { size: 1.0 });
+    // The second group reaches nearer to the ray's origin, so it is gone into first.
+    for reach in [None, Some(1.0)] {
+        let both = scene.add_to(root, Group).unwrap();
+        scene.append(both, shared).unwrap();
+        if let Some(z) = reach {
+            let aside = Affine3::from_translation(Vec3::new(-4.0, -4.0, z));
+            let place = scene.add_to(both, Transform(aside)).unwrap();
+            scene.add_to(place, Plain { size: 2.0 }).unwrap();
+        }
+    }
+    let view = scene.open_view(root, &rules()).unwrap();
+    scene.bounds(view).unwrap();
+    let ray = Ray::new(Vec3::new(0.2, 0.2, 3.0), Vec3::NEG_Z);
+    let hit = scene.pick(view, &ray, &PickOptions::default()).unwrap().unwrap();
+    assert_eq!(hit.path, [0, 0, 0]);
 }

@@ -222,16 +222,23 @@ impl Fragment {
     /// The bound of what the node at `index` draws itself, in its own frame; nothing for nodes
     /// that only hold or place others, and for lights and cameras.
     pub fn drawn_bound(&self, index: u32) -> Option<Bound> {
-        match (self.nodes[index as usize].code, self.drawn.as_deref()) {
-            (Code::Mesh(i), Some(drawn)) => Some(*drawn.meshes[i as usize].0.bound()),
-            (Code::Instances(i), Some(drawn)) => Some(drawn.instances[i as usize].bound),
-            (Code::Lines(i), Some(drawn)) => {
-                let lines = &drawn.lines[i as usize];
+        let drawn = || self.drawn.as_deref().expect("drawn nodes have a table");
+        match self.nodes[index as usize].code {
+            Code::Mesh(i) => Some(*drawn().meshes[i as usize].0.bound()),
+            Code::Instances(i) => Some(drawn().instances[i as usize].bound),
+            Code::Lines(i) => {
+                let lines = &drawn().lines[i as usize];
                 let points = lines.iter().flat_map(|line| line.points.iter().copied());
                 Some(Bound::of_points(points))
             }
-            (Code::Label(i), Some(drawn)) => Some(drawn.labels[i as usize].bound()),
-            _ => None,
+            Code::Label(i) => Some(drawn().labels[i as usize].bound()),
+            Code::Group
+            | Code::Transform(_)
+            | Code::Live(_)
+            | Code::Facing(_)
+            | Code::Light(_)
+            | Code::Camera(_)
+            | Code::Deferred(_) => None,
         }
     }
 

@@ -117,7 +117,7 @@ pub enum Interrupted {
         what: &'static str,
         /// How much was allowed.
         limit: u64,
-        /// Kind of the component whose compiling went beyond the limit.
+        /// Kind of the component whose compiling, or picking, went beyond the limit.
         component: &'static str,
     },
 }

@@ -138,7 +138,7 @@ impl Scene {
     /// What a ray, in the root's frame, meets first. Compiles only what the ray may meet.
     ///
     /// # Errors
-    /// When the view is closed, or compiling was interrupted.
+    /// When the view is closed, compiling was interrupted, or the ray comes by too many places.
     pub fn pick(
         &mut self,
         view: ViewId,
@@ -146,12 +146,12 @@ impl Scene {
         options: &PickOptions,
     ) -> Result<Option<Hit>, ViewError> {
         let pull = self.pull(view)?;
-        let compiled = pick_compiled(&pull, ray, options);
+        let compiled = pick_compiled(&pull, ray, options)?;
         if !ray.is_sound() || pull.is_settled(pull.root().1) {
             return Ok(compiled);
         }
         self.discover(view, &AlongRay::new(ray, options, compiled.as_ref()))?;
-        let hit = pick_compiled(&self.pull(view)?, ray, options);
+        let hit = pick_compiled(&self.pull(view)?, ray, options)?;
         self.evict_if_bloated(view);
         Ok(hit)
     }

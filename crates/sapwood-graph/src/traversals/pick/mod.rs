@@ -30,12 +30,19 @@ pub struct PickOptions {
     pub labels: bool,
     /// How many metres the ray may pass by a line; lines are not met where there is none.
     pub line_radius: Option<f32>,
+    /// How many places the ray may come by, so that no graph keeps a pick busy for ever.
+    pub most_occurrences: u32,
 }
 
 impl Default for PickOptions {
-    /// Both sides of triangles, and labels.
+    /// Both sides of triangles, and labels; ten million places.
     fn default() -> Self {
-        Self { sides: PickedSides::Both, labels: true, line_radius: None }
+        Self {
+            sides: PickedSides::Both,
+            labels: true,
+            line_radius: None,
+            most_occurrences: 10_000_000,
+        }
     }
 }
 
@@ -53,21 +60,28 @@ pub enum PickedSides {
 /// comes first in pre-order. A ray that is not sound meets nothing.
 ///
 /// # Errors
-/// When compiling was cancelled or a budget ran out.
+/// When compiling was cancelled or a budget ran out, or the ray comes by too many places.
 pub fn pick(
     provide: &mut dyn Provide,
     ray: &Ray,
     options: &PickOptions,
 ) -> Result<Option<Hit>, Interrupted> {
-    let compiled = pick_compiled(&*provide, ray, options);
+    let compiled = pick_compiled(&*provide, ray, options)?;
     if !ray.is_sound() || provide.is_settled(provide.root().1) {
         return Ok(compiled);
     }
     discover(provide, &AlongRay::new(ray, options, compiled.as_ref()))?;
-    Ok(pick_compiled(&*provide, ray, options))
+    pick_compiled(&*provide, ray, options)
 }
 
 /// What a ray meets first of what is compiled and up to date.
-pub fn pick_compiled(supply: &dyn Supply, ray: &Ray, options: &PickOptions) -> Option<Hit> {
-    ray.is_sound().then(|| search::Search::new(supply, ray, options).run())?
+///
+/// # Errors
+/// When the ray comes by more places than the options allow.
+pub fn pick_compiled(
+    supply: &dyn Supply,
+    ray: &Ray,
+    options: &PickOptions,
+) -> Result<Option<Hit>, Interrupted> {
+    if ray.is_sound() { search::Search::new(supply, ray, options).run() } else { Ok(None) }
 }

@@ -1,29 +1,40 @@
 //! The search: plans from near to far, and in them every node that the ray meets.
+//!
+//! A site that several places show in the same frame is gone into once; where it is found again,
+//! only the way there is noted. Which of the ways comes first in pre-order is asked at the end.
 
 use sapwood_geom::glam::{Affine3, DVec3, Vec2, Vec3};
-use sapwood_geom::{Bound, Mesh, MeshHit, Ray, SharedMesh, Sides, closest_on_transformed};
+use sapwood_geom::{
+    Bound, FixedMap, Mesh, MeshHit, Ray, SharedMesh, Sides, closest_on_transformed, fixed_state,
+};
 
 use super::lines::{Passed, meet_label, pass_lines};
 use super::sight::Sight;
 use super::{Hit, PickOptions, PickedPart, PickedSides, Struck};
-use crate::{EnvId, Material, PlanRef, RenderNode, Run, SiteId, Supplied, Supply};
+use crate::{EnvId, Interrupted, Material, PlanRef, RenderNode, Run, SiteId, Supplied, Supply};
 
 pub(super) struct Search<'a> {
     supply: &'a dyn Supply,
     ray: &'a Ray,
     options: &'a PickOptions,
-    /// The way to every site gone into.
-    steps: Vec<Step>,
+    /// The sites gone into, each once for each frame; the root first.
+    steps: Vec<SiteId>,
+    /// Their numbers, by the site and the bits of its frame.
+    known: FixedMap<(SiteId, [u32; 12]), u32>,
+    ways: Vec<Way>,
     stack: Vec<Frame>,
-    closest: Option<Found>,
+    /// The closest hits: all of them are as near.
+    closest: Vec<Found>,
 }
 
-struct Step {
+/// One of the ways to a step: behind a link of another one.
+#[derive(Clone, Copy)]
+struct Way {
     parent: u32,
     /// The deferred node in the parent's fragment, and the link.
     node: u32,
     link: u32,
-    site: SiteId,
+    step: u32,
 }
 
 /// A site to go into.
@@ -57,33 +68,59 @@ enum Thing {
 
 impl<'a> Search<'a> {
     pub(super) fn new(supply: &'a dyn Supply, ray: &'a Ray, options: &'a PickOptions) -> Self {
-        Self { supply, ray, options, steps: Vec::new(), stack: Vec::new(), closest: None }
+        Self {
+            supply,
+            ray,
+            options,
+            steps: Vec::new(),
+            ways: Vec::new(),
+            stack: Vec::new(),
+            closest: Vec::new(),
+            known: FixedMap::with_hasher(fixed_state()),
+        }
     }
 
-    pub(super) fn run(mut self) -> Option<Hit> {
+    pub(super) fn run(mut self) -> Result<Option<Hit>, Interrupted> {
         let (env, site) = self.supply.root();
         let world = Affine3::IDENTITY;
         let enters = self.ray.min();
         self.stack.push(Frame { env, site, world, enters, parent: 0, node: 0, link: 0 });
         while let Some(frame) = self.stack.pop() {
             if frame.enters <= self.reach() {
-                self.scan(&frame);
+                self.come_by(&frame)?;
             }
         }
-        let found = self.closest.take()?;
-        Some(self.hit(&found))
+        Ok(self.first_in_pre_order().map(|(found, ways)| self.hit(found, &ways)))
     }
 
     /// How far there is anything to find.
     fn reach(&self) -> f64 {
-        self.closest.as_ref().map_or(self.ray.max(), |found| found.distance)
+        self.closest.first().map_or(self.ray.max(), |found| found.distance)
+    }
+
+    /// Notes the way to a site, and goes into it where that was not done in the same frame.
+    fn come_by(&mut self, frame: &Frame) -> Result<(), Interrupted> {
+        let limit = self.options.most_occurrences;
+        let Frame { parent, node, link, site, .. } = *frame;
+        if self.ways.len() >= limit as usize {
+            let component = self.supply.plan(site).kind.name();
+            let limit = u64::from(limit);
+            return Err(Interrupted::Exhausted { what: "occurrences", limit, component });
+        }
+        let bits = frame.world.to_cols_array().map(f32::to_bits);
+        let next = self.steps.len() as u32;
+        let step = *self.known.entry((site, bits)).or_insert(next);
+        self.ways.push(Way { parent, node, link, step });
+        if step == next {
+            self.steps.push(site);
+            self.scan(frame, step);
+        }
+        Ok(())
     }
 
     /// Looks at every node of one site.
-    fn scan(&mut self, frame: &Frame) {
-        let step = self.steps.len() as u32;
-        let Frame { parent, node, link, site, .. } = *frame;
-        self.steps.push(Step { parent, node, link, site });
+    fn scan(&mut self, frame: &Frame, step: u32) {
+        let site = frame.site;
         let plan = self.supply.plan(site);
         let first = self.stack.len();
         // Transforms above the node at hand: where each ends, and the product so far.
@@ -190,10 +227,10 @@ impl<'a> Search<'a> {
             | RenderNode::Deferred(_) => None,
         };
         let Some((distance, thing)) = found else { return };
-        let found = Found { distance, step, node, world, thing };
-        if self.closest.as_ref().is_none_or(|closest| self.precedes(&found, closest)) {
-            self.closest = Some(found);
+        if distance < reach {
+            self.closest.clear();
         }
+        self.closest.push(Found { distance, step, node, world, thing });
     }
 
     fn sides(&self, material: &Material) -> Sides {
@@ -255,37 +292,45 @@ impl<'a> Search<'a> {
         closest
     }
 
-    /// Whether one hit goes before another: nearer, or as near and earlier in pre-order.
-    fn precedes(&self, found: &Found, other: &Found) -> bool {
-        if found.distance != other.distance {
-            return found.distance < other.distance;
-        }
-        let place = |found: &Found| {
-            let mut place = vec![(found.node, 0)];
-            let mut step = found.step;
-            while step > 0 {
-                let Step { parent, node, link, .. } = self.steps[step as usize];
-                place.push((node, link));
-                step = parent;
+    /// Of the closest hits the first in pre-order, and the way there from the root.
+    fn first_in_pre_order(&self) -> Option<(&Found, Vec<Way>)> {
+        // The root's own way leads from nowhere.
+        let mut ways = self.ways.get(1..).unwrap_or_default().to_vec();
+        ways.sort_unstable_by_key(|way| way.step);
+        // Which steps lead to a hit.
+        let mut leads = vec![false; self.steps.len()];
+        let mut stack: Vec<u32> = self.closest.iter().map(|found| found.step).collect();
+        while let Some(step) = stack.pop() {
+            if !std::mem::replace(&mut leads[step as usize], true) {
+                let first = ways.partition_point(|way| way.step < step);
+                let to_here = ways[first..].iter().take_while(|way| way.step == step);
+                stack.extend(to_here.map(|way| way.parent));
             }
-            place.reverse();
-            place
-        };
-        place(found) < place(other)
+        }
+        ways.retain(|way| leads[way.step as usize]);
+        ways.sort_unstable_by_key(|way| (way.parent, way.node, way.link));
+        let mut hits: Vec<&Found> = self.closest.iter().collect();
+        hits.sort_unstable_by_key(|found| (found.step, found.node));
+        let (mut step, mut path) = (0, Vec::new());
+        loop {
+            let hit = hits.get(hits.partition_point(|found| found.step < step));
+            let hit = hit.filter(|found| found.step == step);
+            let way = ways.get(ways.partition_point(|way| way.parent < step));
+            match (hit, way.filter(|way| way.parent == step)) {
+                (Some(hit), Some(way)) if hit.node > way.node => path.push(*way),
+                (Some(hit), _) => return Some((hit, path)),
+                (None, Some(way)) => path.push(*way),
+                (None, None) => return None,
+            }
+            step = path.last()?.step;
+        }
     }
 }
 
 /// What is told of the closest hit.
 impl Search<'_> {
-    fn hit(&self, found: &Found) -> Hit {
-        let mut path = Vec::new();
-        let mut step = found.step;
-        while step > 0 {
-            path.push(self.steps[step as usize].link);
-            step = self.steps[step as usize].parent;
-        }
-        path.reverse();
-        let plan = self.supply.plan(self.steps[found.step as usize].site);
+    fn hit(&self, found: &Found, ways: &[Way]) -> Hit {
+        let plan = self.supply.plan(self.steps[found.step as usize]);
         let toward = |normal: DVec3| {
             let normal = normal.normalize_or(-self.ray.direction());
             if normal.dot(self.ray.direction()) > 0.0 { -normal } else { normal }
@@ -313,8 +358,8 @@ impl Search<'_> {
             struck,
             kind: plan.kind,
             node: found.node,
-            part: self.part(found, &plan, path.len() as u32),
-            path,
+            part: self.part(found, &plan, ways),
+            path: ways.iter().map(|way| way.link).collect(),
         }
     }
 
@@ -330,7 +375,19 @@ impl Search<'_> {
                 (mesh, found.world * transforms[i as usize])
             }
             (RenderNode::Mesh { mesh, .. }, _) => (mesh, found.world),
-            _ => unreachable!("triangles are hit in meshes"),
+            (
+                RenderNode::Instances { .. }
+                | RenderNode::Group
+                | RenderNode::Transform(_)
+                | RenderNode::Live(_)
+                | RenderNode::Facing(_)
+                | RenderNode::Lines(_)
+                | RenderNode::Light(_)
+                | RenderNode::Camera(_)
+                | RenderNode::Label(_)
+                | RenderNode::Deferred(_),
+                _,
+            ) => unreachable!("triangles are hit in meshes"),
         };
         let world = world.as_daffine3();
         let first = 3 * hit.triangle as usize;
@@ -363,7 +420,7 @@ impl Search<'_> {
 
     /// The part that was hit: in the plan that draws, or in the nearest one above that has parts
     /// of the kind.
-    fn part(&self, found: &Found, plan: &PlanRef<'_>, n_links: u32) -> Option<PickedPart> {
+    fn part(&self, found: &Found, plan: &PlanRef<'_>, ways: &[Way]) -> Option<PickedPart> {
         let shown = plan.fragment.shown(found.node)?;
         let number = match &found.thing {
             Thing::Triangle { instance: Some(instance), .. } => *instance,
@@ -372,18 +429,15 @@ impl Search<'_> {
             Thing::Label => return None,
         };
         let row = shown.row(number)?;
-        let mut n_links = n_links;
-        let mut step = found.step;
-        loop {
-            let parts = self.supply.plan(self.steps[step as usize].site).parts;
+        let above = ways.iter().rev().map(|way| way.parent);
+        for (i, step) in std::iter::once(found.step).chain(above).enumerate() {
+            let parts = self.supply.plan(self.steps[step as usize]).parts;
             let array = parts.lengths().find(|(kind, _)| *kind == shown.kind());
             if let Some((kind, n)) = array {
+                let n_links = (ways.len() - i) as u32;
                 return ((row as usize) < n).then_some(PickedPart { kind, row, n_links });
             }
-            if step == 0 {
-                return None;
-            }
-            (step, n_links) = (self.steps[step as usize].parent, n_links - 1);
         }
+        None
     }
 }

@@ -70,10 +70,16 @@ pub struct AlongRay {
 impl AlongRay {
     /// The interest in what `ray`, in the root's frame, may meet before the hit known so far.
     pub fn new(ray: &Ray, options: &PickOptions, known: Option<&Hit>) -> Self {
-        let reach = known.map_or(ray.max(), |hit| f64::from(hit.distance) * (1.0 + 1e-6));
+        let reach = known.map_or(ray.max(), |hit| just_behind(hit.distance));
         let sight = Sight::new(&ray.up_to(reach), &Affine3::IDENTITY);
         Self { by: options.by(), sight: Cell::new(sight) }
     }
+}
+
+/// A little farther than a hit, whose distance is rounded and may lie behind the ray's origin.
+fn just_behind(distance: f32) -> f64 {
+    let distance = f64::from(distance);
+    distance + 1e-6 * distance.abs() + f64::from(f32::MIN_POSITIVE)
 }
 
 impl Interest for AlongRay {
@@ -89,5 +95,17 @@ impl Interest for AlongRay {
             self.sight.set(sight);
         }
         sight.enters(bound, self.by).map(|_| ())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_as_near_as_a_hit_at_a_negative_distance_stays_in_reach() {
+        for distance in [-5.0f32, -1e-30, 0.0, 1e-30, 5.0] {
+            assert!(just_behind(distance) > f64::from(distance), "{distance}");
+        }
     }
 }
