@@ -207,6 +207,21 @@ fn the_summary_may_be_json() {
     assert!(said.starts_with("sapwood: no built-in species"), "{said}");
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn what_the_system_refuses_is_told_in_its_own_words() {
+    let folder = tempfile::tempdir().unwrap();
+    // Three standard streams and the pipe for interrupts; no output can be opened.
+    let sapwood = env!("CARGO_BIN_EXE_sapwood");
+    let line = format!("ulimit -n 5; exec '{sapwood}' grow wheat --levels 1 -o t.obj");
+    let output = Command::new("sh").args(["-c", &line]).current_dir(folder.path()).output();
+    let output = output.unwrap();
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{said}");
+    assert!(said.contains("cannot be written: Too many open files"), "{said}");
+    assert!(files(folder.path()).is_empty());
+}
+
 /// Interrupts at many moments: each time all files are there or none, and nothing else.
 #[cfg(unix)]
 #[test]

@@ -153,12 +153,14 @@ impl FileSet {
         if self.files.iter().any(twice) {
             return Err(io::Error::other("it is written twice"));
         }
-        let mut part = Part::new(target, old)?;
-        let bytes = self.fill(path, part.file.as_file_mut(), fill)?;
-        if let Some(old) = &part.old {
-            part.file.as_file().set_permissions(old.permissions())?;
+        let mut file = temporary(&target)?;
+        let bytes = self.fill(path, file.as_file_mut(), fill)?;
+        if let Some(old) = &old {
+            file.as_file().set_permissions(old.permissions())?;
         }
-        part.file.as_file().sync_all()?;
+        file.as_file().sync_all()?;
+        // Closed here, for a set may have more files than a process may have open.
+        let part = Part { target, file: file.into_temp_path(), old };
         Ok(Staged { path: path.to_owned(), bytes, part: Some(part) })
     }
 
@@ -192,36 +194,15 @@ struct Staged {
     part: Option<Part>,
 }
 
-/// A temporary file beside its target.
+/// A temporary file beside its target, written and closed.
 struct Part {
     target: PathBuf,
-    file: NamedTempFile,
+    file: TempPath,
     /// What is known of the file that stands in the target's place.
     old: Option<Metadata>,
 }
 
 impl Part {
-    fn new(target: PathBuf, old: Option<Metadata>) -> io::Result<Self> {
-        let prefix = hidden(&target)?;
-        let folder = folder_of(&target);
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(&prefix).suffix(".part");
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt as _;
-            // Less the process's own mask, as for any new file; the default would be private.
-            builder.permissions(fs::Permissions::from_mode(0o666));
-        }
-        let file = builder.tempfile_in(&folder).map_err(|cause| match cause.kind() {
-            io::ErrorKind::NotFound => {
-                io::Error::new(cause.kind(), format!("there is no folder {}", folder.display()))
-            }
-            // The bare kind, for the cause names a temporary file that nobody knows.
-            kind => kind.into(),
-        })?;
-        Ok(Self { target, file, old })
-    }
-
     /// Takes the target's place; on request what stood there can be put back.
     fn place(self, keeps_old: bool) -> io::Result<Placed> {
         let Self { target, file, old } = self;
@@ -249,6 +230,21 @@ impl Placed {
             None => fs::remove_file(&self.target),
         };
     }
+}
+
+/// A new file in the folder of `target`, with the permissions of any new file.
+fn temporary(target: &Path) -> io::Result<NamedTempFile> {
+    let (prefix, folder) = (hidden(target)?, folder_of(target));
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(&prefix).suffix(".part");
+    // Opened here, for what the builder says when it opens a file names a path that nobody knows.
+    let open = |path: &Path| File::options().write(true).create_new(true).open(path);
+    builder.make_in(&folder, open).map_err(|cause| match cause.kind() {
+        io::ErrorKind::NotFound => {
+            io::Error::new(cause.kind(), format!("there is no folder {}", folder.display()))
+        }
+        _ => cause,
+    })
 }
 
 /// A second name for a file, or a copy of it where a file has one name only.
@@ -482,6 +478,22 @@ mod tests {
         assert!(error.file().is_some_and(|file| file.ends_with("c")), "{error}");
         assert_eq!(names(folder.path()), ["b", "c"]);
         assert_eq!(fs::read(at("b")).unwrap(), b"old");
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_set_of_many_files_does_not_run_out_of_descriptors() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut files = FileSet::new();
+        for i in 0..20 {
+            files.write(folder.path().join(format!("{i}")), |out| out.write_all(b"x")).unwrap();
+        }
+        let open = fs::read_dir("/proc/self/fd").unwrap();
+        let targets = open.filter_map(|entry| fs::read_link(entry.ok()?.path()).ok());
+        let held: Vec<_> = targets.filter(|target| target.starts_with(folder.path())).collect();
+        assert!(held.is_empty(), "{held:?}");
+        files.commit().unwrap();
+        assert_eq!(names(folder.path()).len(), 20);
     }
 
     #[test]
