@@ -44,12 +44,7 @@ impl Fixtures {
             fixtures.cameras.push(root.push(camera(&row.camera)));
         }
         for row in &body.labels {
-            let is_share = |channel: &f32| (0.0..=1.0).contains(channel);
-            let fault = row.label.fault().or_else(|| {
-                let color = row.label.color;
-                (!color.iter().all(is_share)).then(|| format!("a colour of {color:?}"))
-            });
-            if let Some(fault) = fault {
+            if let Some(fault) = row.label.fault() {
                 return Err(refused("text", &row.label.text, fault));
             }
         }

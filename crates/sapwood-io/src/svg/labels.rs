@@ -18,6 +18,8 @@ pub(super) struct Text<'a> {
     origin: Vec2,
     along: Vec2,
     up: Vec2,
+    /// How long those two are in space, not foreshortened by the view.
+    lengths: [f64; 2],
 }
 
 impl<'a> Text<'a> {
@@ -26,14 +28,16 @@ impl<'a> Text<'a> {
         if let Some(fault) = label.fault() {
             return Err(format!("text '{}' has {fault}", label.text));
         }
-        if !place.is_finite() || !label.color.iter().all(|channel| channel.is_finite()) {
-            return Err(format!("the place or the colour of text '{}' is not finite", label.text));
+        if !place.is_finite() {
+            return Err(format!("the place of text '{}' is not finite", label.text));
         }
+        let [along, up] = [place.matrix3.x_axis, place.matrix3.y_axis];
         Ok(Self {
             label,
             origin: place.translation.truncate(),
-            along: place.matrix3.x_axis.truncate(),
-            up: place.matrix3.y_axis.truncate(),
+            along: along.truncate(),
+            up: up.truncate(),
+            lengths: [along, up].map(|axis| axis.as_dvec3().length()),
         })
     }
 
@@ -50,12 +54,17 @@ impl<'a> Text<'a> {
     /// Adds the text to a drawing. Seen from its edge it is not there, from behind it is mirrored.
     pub(super) fn draw(&self, frame: &Frame, drawing: &mut String) {
         let Self { label, along, up, .. } = self;
-        if label.text.is_empty() || along.perp_dot(*up).abs() < 1e-6 {
+        let ([along, up], [wide, high]) = ([along, up].map(|axis| axis.as_dvec2()), self.lengths);
+        // Relative to the text itself, which may be small and seen well.
+        let is_seen = along.perp_dot(up).abs() > 1e-6 * wide * high;
+        if label.text.is_empty() || !is_seen {
             return;
         }
         let (x, y) = frame.units(self.origin);
-        let size = frame.length(label.height / CAPITAL);
-        let [a, b, c, d] = [along.x, -along.y, -up.x, up.y].map(rounded);
+        // The scale is the font's, so that four decimals are enough for the matrix.
+        let size = frame.length((f64::from(label.height / CAPITAL) * high) as f32);
+        let matrix = [along.x, -along.y, -up.x, up.y];
+        let [a, b, c, d] = matrix.map(|number| rounded((number / high) as f32));
         let anchor = match label.anchor {
             Anchor::Start => "start",
             Anchor::Middle => "middle",
@@ -153,6 +162,27 @@ mod tests {
         let text = svg(&list(Label::new("flat", 1.0), turned)).unwrap();
         assert!(!text.contains("flat"), "{text}");
         svg(&list(Label::new("", 1.0), Affine3::IDENTITY)).unwrap();
+    }
+
+    #[test]
+    fn a_text_that_is_scaled_down_does_not_vanish() {
+        let drawn = |height: f32, scale: f32| {
+            let world = Affine3::from_scale(Vec3::splat(scale));
+            let text = svg(&list(Label::new("hello", height), world)).unwrap();
+            let line = text.lines().find(|line| line.contains("hello")).map(str::to_owned);
+            line.unwrap_or_else(|| panic!("scale {scale}: {text}"))
+        };
+        let plain = drawn(0.45, 1.0);
+        assert!(plain.starts_with("<text transform=\"matrix(1 0 0 1 "), "{plain}");
+        for (height, scale) in [(500.0, 0.0009), (4.5e15, 1e-16), (4.5e-7, 1e6)] {
+            let size = |line: &str| {
+                let (_, rest) = line.split_once("font-size=\"").unwrap();
+                rest.split_once('"').unwrap().0.parse::<f32>().unwrap()
+            };
+            let line = drawn(height, scale);
+            assert!(line.starts_with("<text transform=\"matrix(1 0 0 1 "), "{line}");
+            assert!((size(&line) - size(&plain)).abs() <= 1.0, "{line}");
+        }
     }
 
     #[test]
