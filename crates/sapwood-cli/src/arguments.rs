@@ -14,7 +14,9 @@ Exit codes:
   2  the arguments are at fault
   3  the output could not be written; an existing file is left as it was
   4  a budget ran out, such as the number of triangles; nothing was written
-  130  interrupted, as by Ctrl-C; nothing was written";
+  130  interrupted, as by Ctrl-C; nothing was written. A third Ctrl-C does not wait for the
+       tidying up: temporary files (.NAME.*.part) may then stay, and outputs may be incomplete
+       as a set";
 
 const SPECIES_FILES: &str = "\
 Species files are TOML, as `sapwood species show` prints them, or the XML of Arbaro.";

@@ -2,6 +2,7 @@
 
 use std::ops::ControlFlow;
 use std::path::Path;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -12,6 +13,8 @@ use crate::failure::Failure;
 
 /// Runs shorter than this show nothing.
 const PATIENCE: Duration = Duration::from_millis(200);
+/// The interrupt that is not waited for any more; people press twice without meaning it.
+const LAST: u32 = 3;
 /// Time between two pictures of the progress.
 const TICK: Duration = Duration::from_millis(100);
 
@@ -23,16 +26,15 @@ pub(crate) struct Watch {
 }
 
 impl Watch {
-    /// Follows the run of this process: an interrupt ends it as soon as it can, a second one at
-    /// once. Progress is shown on standard error if that is wanted.
+    /// Follows the run of this process: an interrupt ends it at its next check, so that it takes
+    /// its temporary files along; a third one ends it at once, and they stay. Progress is shown on standard error if that is wanted.
     pub(crate) fn of_process(shows_progress: bool) -> Self {
         let wish = Wish::default();
         let told = wish.clone();
         let handler = move || {
-            if told.is_uttered() {
+            if told.is_pressed() {
                 std::process::exit(i32::from(Failure::INTERRUPTED));
             }
-            told.utter();
         };
         // Where signals cannot be caught they end the process, as they always did.
         if let Err(error) = ctrlc::set_handler(handler) {
@@ -105,9 +107,16 @@ impl Progress {
 struct Wish {
     uttered: CancelToken,
     followed: Arc<Mutex<CancelToken>>,
+    n_interrupts: Arc<AtomicU32>,
 }
 
 impl Wish {
+    /// Takes an interrupt; tells whether it is the one that ends the process at once.
+    fn is_pressed(&self) -> bool {
+        self.utter();
+        self.n_interrupts.fetch_add(1, Ordering::Relaxed) + 1 >= LAST
+    }
+
     fn utter(&self) {
         self.uttered.cancel();
         self.followed.lock().unwrap_or_else(|broken| broken.into_inner()).cancel();
@@ -141,5 +150,12 @@ mod tests {
         watch.follow(second.clone());
         assert!(first.is_cancelled() && second.is_cancelled());
         assert!(watch.check().is_err() && watch.clone().written(Path::new("a"), 0).is_break());
+    }
+
+    #[test]
+    fn a_second_interrupt_waits_like_the_first() {
+        let watch = Watch::default();
+        let pressed = [1, 2, 3].map(|_| (watch.wish.is_pressed(), watch.check().is_err()));
+        assert_eq!(pressed, [(false, true), (false, true), (true, true)]);
     }
 }

@@ -222,17 +222,28 @@ fn what_the_system_refuses_is_told_in_its_own_words() {
     assert!(files(folder.path()).is_empty());
 }
 
-/// Interrupts at many moments: each time all files are there or none, and nothing else.
 #[cfg(unix)]
 #[test]
 fn an_interrupt_leaves_nothing_half_done() {
+    check_interrupts("kill -INT $!");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_second_interrupt_leaves_no_temporary_files() {
+    check_interrupts("kill -INT $!; sleep 0.002; kill -INT $! 2>&-");
+}
+
+/// Interrupts at many moments: each time all files are there or none, and nothing else.
+#[cfg(unix)]
+fn check_interrupts(interrupt: &str) {
     let whole = ["t.bin", "t.glb", "t.gltf", "t.mtl", "t.obj"];
     let mut codes = Vec::new();
     for wait in (0..12).map(|step| 0.01 + 0.02 * f64::from(step)) {
         let folder = tempfile::tempdir().unwrap();
         let line = format!(
             "'{}' grow silver_birch -o t.glb -o t.gltf -o t.obj & sleep {wait}; \
-             kill -INT $!; wait $!",
+             {interrupt}; wait $!",
             env!("CARGO_BIN_EXE_sapwood")
         );
         let output = Command::new("sh").args(["-c", &line]).current_dir(folder.path()).output();
