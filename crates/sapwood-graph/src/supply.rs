@@ -129,7 +129,8 @@ impl fmt::Display for Interrupted {
             Self::Exhausted { what, limit, component } => {
                 write!(
                     f,
-                    "more than {limit} {what} would be needed; the limit was met in a component of kind {component}"
+                    "more than {limit} {what} would be needed; the limit was met in a component \
+                     of kind {component}"
                 )
             }
         }

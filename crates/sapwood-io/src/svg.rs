@@ -285,8 +285,8 @@ impl Frame {
         );
         let _ = writeln!(
             text,
-            "<text x=\"{}\" y=\"{}\" font-family=\"DejaVu Sans, Arial, sans-serif\" font-size=\"{font}\" \
-             fill=\"#555\">{metres} m</text>",
+            "<text x=\"{}\" y=\"{}\" font-family=\"DejaVu Sans, Arial, sans-serif\" \
+             font-size=\"{font}\" fill=\"#555\">{metres} m</text>",
             x - tick,
             y - tall - font / 2,
         );

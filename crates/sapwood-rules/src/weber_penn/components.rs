@@ -3,7 +3,8 @@
 //! [`Tree`] is what users place. It is compiled into one [`Branch`] for each trunk; a branch
 //! emits its [`StemSurface`] and [`Children`], or its [`Leaves`] where it is of the last level.
 //! Children are branches again, or, on the last level, one batch of [`Twigs`] with its surface
-//! and leaves. Stems, segments and leaves are parts of these. Everything below the tree is in tree space: z up, metres.
+//! and leaves. Stems, segments and leaves are parts of these. Everything below the tree
+//! is in tree space: z up, metres.
 
 use sapwood_geom::{Content, Digester, Shared, content};
 use sapwood_graph::{Named, Part};

@@ -1,4 +1,5 @@
-//! From seeds to stems: segments, curvature, clones (Weber and Penn 1995, sections 4.1, 4.2 and 4.8).
+//! From seeds to stems: segments, curvature, clones (Weber and Penn 1995, sections
+//! 4.1, 4.2 and 4.8).
 
 use std::collections::VecDeque;
 

@@ -147,7 +147,8 @@ impl LeafShape {
     ];
 
     /// The shape of this name: canonical names, `disc`, `disc:K` of K outline points (3 to 1000),
-    /// Arbaro's `discK` of K triangles (1 to 998), tree-gen's `tree_gen:k`, and in species of the paper its list index 0 to 5.
+    /// Arbaro's `discK` of K triangles (1 to 998), tree-gen's `tree_gen:k`, and in species of
+    /// the paper its list index 0 to 5.
     pub fn from_name(name: &str, origin: Origin) -> Option<Self> {
         if let Some((_, shape)) = Self::NAMES.iter().find(|(known, _)| *known == name) {
             return Some(*shape);
