@@ -17,7 +17,7 @@ mod svg;
 pub use self::gltf::{glb_bytes, gltf_buffer_path, write_glb, write_gltf};
 pub use atomic::{FileSet, write_atomically};
 pub use error::{Error, ErrorKind, Place};
-pub use obj::{obj_material_path, write_obj};
+pub use obj::{obj_image_path, obj_material_path, write_obj};
 pub use species::{
     built_in, built_in_names, built_in_text, find_species, parse_species, read_species, suggest,
     write_species,

@@ -61,12 +61,16 @@ impl Output {
         Ok(files.written().skip(n_before).map(|(_, bytes)| bytes).sum())
     }
 
-    /// The files that will be written for certain, the output itself first.
+    /// The files that may be written, the output itself first. Of images the first stands for
+    /// all: outputs that share one share that too.
     fn claims(&self) -> Vec<PathBuf> {
         let beside = match self.format {
-            Format::Glb | Format::Svg => None,
-            Format::Gltf => Some(sapwood::io::gltf_buffer_path(&self.path)),
-            Format::Obj => Some(sapwood::io::obj_material_path(&self.path)),
+            Format::Glb | Format::Svg => Vec::new(),
+            Format::Gltf => vec![sapwood::io::gltf_buffer_path(&self.path)],
+            Format::Obj => vec![
+                sapwood::io::obj_material_path(&self.path),
+                sapwood::io::obj_image_path(&self.path, 1),
+            ],
         };
         [self.path.clone()].into_iter().chain(beside).map(|path| resolved(&path)).collect()
     }
@@ -134,6 +138,18 @@ mod tests {
             let accepted = wrong == "tree.glb/";
             assert_eq!(format(wrong).is_ok(), accepted, "{wrong}");
         }
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn outputs_that_share_an_image_are_refused_early() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        std::fs::write(at("b-1.png"), "old").unwrap();
+        std::os::unix::fs::symlink(at("b-1.png"), at("a-1.png")).unwrap();
+        let outputs = ["a.obj", "b.obj"].map(|name| at(name).to_str().unwrap().parse().unwrap());
+        let (_, _, file) = clash(&outputs).unwrap();
+        assert!(file.ends_with("b-1.png"), "{file:?}");
     }
 
     #[test]

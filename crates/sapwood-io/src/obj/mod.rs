@@ -29,9 +29,15 @@ pub fn obj_material_path(path: impl AsRef<Path>) -> PathBuf {
     beside(path.as_ref(), ".mtl")
 }
 
+/// Where [`write_obj`] puts an image, of which the first has the number 1: beside the file at
+/// `path`, as `NAME-1.png`, with `_` for white space.
+pub fn obj_image_path(path: impl AsRef<Path>, number: usize) -> PathBuf {
+    beside(path.as_ref(), &format!("-{number}.png"))
+}
+
 /// Writes three sorts of files that take their places together, or none does: the text at
 /// `path`, the materials at [`obj_material_path`], and each distinct image as a PNG file
-/// `NAME-1.png`, `NAME-2.png` and so on.
+/// at its [`obj_image_path`].
 ///
 /// The same list gives the same bytes, and every number reads back as the very number that it
 /// was. Without triangles no materials are written.
@@ -53,7 +59,7 @@ impl FileSet {
     /// Those of [`write_obj`].
     pub fn add_obj(&mut self, path: impl AsRef<Path>, list: &DrawList) -> Result<(), Error> {
         let path = path.as_ref();
-        let materials = Materials::of(list, |number| beside(path, &format!("-{number}.png")))
+        let materials = Materials::of(list, |number| obj_image_path(path, number))
             .map_err(|error| error.in_file(&path.display().to_string()))?;
         self.together(|files| add(files, path, list, &materials))
     }
