@@ -406,7 +406,7 @@ fn impossible_lights_cameras_and_texts_are_refused() {
     };
     check(|body| body.lights[1].light.intensity = -1.0, "'stone' cannot be written: light 'lamp'");
     check(|body| body.cameras[1].camera.far = None, "camera 'plan' has an orthographic camera");
-    check(|body| body.labels[0].label.color[3] = 2.0, "a colour of [0.25, 0.5, 1.0, 2.0]");
+    check(|body| body.labels[0].label.color[3] = 2.0, "has colour [0.25, 0.5, 1.0, 2.0]");
     check(|body| body.lights[0].local.translation.x = f32::NAN, "its place is not finite");
 }
 
