@@ -15,6 +15,9 @@ pub struct Material {
     pub roughness: f32,
     /// Linear red, green and blue that the surface gives off by itself.
     pub emissive: [f32; 3],
+    /// The share of the light scattered below the surface that leaves on its other side, as
+    /// through a leaf: 0 for solid things, 0.5 for paper.
+    pub translucency: f32,
     /// What coverage means.
     pub alpha: Alpha,
     /// Whether the back of a triangle is drawn too.
@@ -58,6 +61,7 @@ impl Material {
             metallic: 0.0,
             roughness: 1.0,
             emissive: [0.0; 3],
+            translucency: 0.0,
             alpha: Alpha::Opaque,
             double_sided: false,
             images: MaterialImages::default(),
@@ -80,6 +84,9 @@ impl Material {
         if !emissive.iter().all(|value| value.is_finite() && *value >= 0.0) {
             return Some(format!("gives off {emissive:?}; finite and not negative"));
         }
+        if !is_share(&self.translucency) {
+            return Some(format!("translucency {}; in 0..=1", self.translucency));
+        }
         match self.alpha {
             Alpha::Mask(least) if !is_share(&least) => {
                 return Some(format!("is there from a coverage of {least} on; in 0..=1"));
@@ -92,7 +99,17 @@ impl Material {
     }
 }
 
-content!(Material { name, base_color, metallic, roughness, emissive, alpha, double_sided, images });
+content!(Material {
+    name,
+    base_color,
+    metallic,
+    roughness,
+    emissive,
+    translucency,
+    alpha,
+    double_sided,
+    images
+});
 
 content!(MaterialImages { base_color, metallic_roughness, normal, emissive });
 
