@@ -45,7 +45,7 @@ pub enum ErrorKind {
     NotUtf8,
     /// The text is not written in its format.
     Syntax {
-        /// The format: `"TOML"` or `"XML"`.
+        /// The format: `"TOML"`, `"XML"`, `"JSON"`, `"GLB"`, `"PNG"` or `"JPEG"`.
         format: &'static str,
         /// What the parser met and what it expected.
         message: String,
@@ -146,6 +146,32 @@ pub enum ErrorKind {
         /// The built-in species that was probably meant.
         suggestion: Option<String>,
     },
+    /// Something in a model, or in a file that it refers to, that is not as its format has it.
+    Invalid {
+        /// Where, by names and numbers that start at 0: `meshes[3].primitives[0].mode`. Empty
+        /// where it is the file as a whole.
+        at: String,
+        /// What was found.
+        found: String,
+        /// What is read there; empty where `found` says that already.
+        accepted: String,
+    },
+    /// More of something than the reader was told to read.
+    OverLimit {
+        /// What would be over the limit, as in [`Invalid`](Self::Invalid).
+        at: String,
+        /// How much there is.
+        found: u64,
+        /// Of what.
+        what: &'static str,
+        /// The most that is read.
+        limit: u64,
+    },
+    /// A model that cannot be read without an extension of glTF that is not known here.
+    UnknownExtension {
+        /// Its name.
+        name: String,
+    },
     /// The file could not be written; what stood there before still does.
     Write {
         /// What the operating system said.
@@ -157,6 +183,11 @@ pub enum ErrorKind {
     Unwritable {
         /// The component that draws it.
         component: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// An image that no file can hold.
+    UnwritableImage {
         /// What is wrong with it.
         reason: String,
     },
@@ -224,6 +255,7 @@ impl Error {
             ErrorKind::Write { .. }
                 | ErrorKind::Stopped
                 | ErrorKind::Unwritable { .. }
+                | ErrorKind::UnwritableImage { .. }
                 | ErrorKind::TooLarge { .. }
         )
     }
@@ -330,11 +362,24 @@ impl fmt::Display for ErrorKind {
                 let meant = Meant(suggestion, "'", "'");
                 write!(f, "no built-in species and no file is called '{name}'{meant}")
             }
+            Self::Invalid { at, found, accepted } => {
+                f.write_str(at)?;
+                f.write_str(if at.is_empty() { "" } else { ": " })?;
+                f.write_str(found)?;
+                if accepted.is_empty() { Ok(()) } else { write!(f, " (accepted: {accepted})") }
+            }
+            Self::OverLimit { at, found, what, limit } => {
+                write!(f, "{at}: {found} {what}; at most {limit} are read")
+            }
+            Self::UnknownExtension { name } => {
+                write!(f, "cannot be read without the extension {name}, which is not known")
+            }
             Self::Write { cause } => write!(f, "cannot be written: {cause}"),
             Self::Stopped => f.write_str("not written: stopped before the end"),
             Self::Unwritable { component, reason } => {
                 write!(f, "component '{component}' cannot be written: {reason}")
             }
+            Self::UnwritableImage { reason } => write!(f, "the image cannot be written: {reason}"),
             Self::TooLarge { bytes, limit } => {
                 write!(f, "would take {bytes} bytes; the format ends at {limit}")
             }

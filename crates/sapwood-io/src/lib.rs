@@ -1,5 +1,5 @@
-//! Files in and out: species in TOML and in XML of Arbaro, glTF, OBJ and SVG out, all errors with
-//! file and place.
+//! Files in and out: species in TOML and in XML of Arbaro, glTF and PNG in and out, OBJ and SVG
+//! out, all errors with file and place.
 //!
 //! The only crate that opens files. It grows nothing: what it writes it is given as a draw list.
 
@@ -9,6 +9,7 @@ mod gltf;
 mod obj;
 mod parts;
 mod png;
+mod raster;
 mod sound;
 mod species;
 mod spelling;
@@ -18,6 +19,8 @@ pub use self::gltf::{glb_bytes, gltf_buffer_path, write_glb, write_gltf};
 pub use atomic::{FileSet, write_atomically};
 pub use error::{Error, ErrorKind, Place};
 pub use obj::{obj_image_path, obj_material_path, write_obj};
+pub use png::write_png;
+pub use raster::read_image;
 pub use species::{
     built_in, built_in_names, built_in_text, find_species, parse_species, read_species, suggest,
     write_species,

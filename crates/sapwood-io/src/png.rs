@@ -1,6 +1,39 @@
 //! Images as PNG files.
 
+use std::path::Path;
+
 use sapwood_geom::Image;
+
+use crate::{Error, ErrorKind, FileSet};
+
+/// Writes `image` to the PNG file at `path`, whole or not at all.
+///
+/// Colours are written as they are, with eight bits for each channel; coverage is left out where
+/// the image covers everything. The same image gives the same bytes.
+///
+/// # Errors
+/// When the image has not as many pixels as it should have, or none, and those of
+/// [`write_atomically`](crate::write_atomically).
+pub fn write_png(path: impl AsRef<Path>, image: &Image) -> Result<(), Error> {
+    let mut files = FileSet::new();
+    files.add_png(path, image)?;
+    files.commit()
+}
+
+/// PNG.
+impl FileSet {
+    /// Adds what [`write_png`] writes.
+    ///
+    /// # Errors
+    /// Those of [`write_png`].
+    pub fn add_png(&mut self, path: impl AsRef<Path>, image: &Image) -> Result<(), Error> {
+        let path = path.as_ref();
+        let bytes = png_bytes(image).map_err(|reason| {
+            Error::new(ErrorKind::UnwritableImage { reason }).in_file(&path.display().to_string())
+        })?;
+        self.write(path, |out| out.write_all(&bytes))
+    }
+}
 
 /// The bytes of a PNG file; the same image gives the same bytes. The error says what is wrong
 /// with the image.
@@ -56,6 +89,32 @@ mod tests {
     fn full_coverage_is_left_out() {
         let image = Image::from_fn(2, 1, |x, _| [1, 2, x as u8, 255]);
         assert_eq!(reread(&image), (png::ColorType::Rgb, vec![1, 2, 0, 1, 2, 1]));
+    }
+
+    fn check_both_ways(image: &Image) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("image.png");
+        write_png(&path, image).unwrap();
+        assert_eq!(crate::read_image(&path).unwrap(), *image);
+    }
+
+    #[test]
+    fn files_come_back() {
+        check_both_ways(&Image::from_fn(7, 5, |x, y| [x as u8, 50 * y as u8, 7, 255]));
+        check_both_ways(&Image::from_fn(1, 300, |x, y| [x as u8, 5, 7, y as u8]));
+    }
+
+    #[test]
+    fn a_refused_image_leaves_the_old_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("image.png");
+        std::fs::write(&path, "old").unwrap();
+        let image = Image { width: 0, height: 2, pixels: Vec::new() };
+        let error = write_png(&path, &image).unwrap_err();
+        let told = "image.png: the image cannot be written: 0 pixels in an image of 0 x 2";
+        assert!(error.to_string().ends_with(told), "{error}");
+        assert!(error.is_write());
+        assert_eq!(std::fs::read(&path).unwrap(), b"old");
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Which accepted name was probably meant.
+//! Words of files in messages: cut short, and which accepted name was probably meant.
 
 /// The candidate spelt most like `word`, if any is near enough to be a slip of the pen.
 ///
@@ -26,6 +26,19 @@ pub(crate) fn nearest<'a>(
         })
         .min_by_key(|(distance, _)| *distance)
         .map(|(_, candidate)| candidate)
+}
+
+/// `text` on one line, cut off after `longest` characters.
+pub(crate) fn shortened_to(longest: usize, text: &str) -> String {
+    let mut short = String::new();
+    for (i, word) in text.split_whitespace().enumerate() {
+        short.extend((i > 0).then_some(' '));
+        short.extend(word.chars().take(longest + 1));
+        if short.chars().count() > longest {
+            return short.chars().take(longest).chain("...".chars()).collect();
+        }
+    }
+    short
 }
 
 #[cfg(test)]

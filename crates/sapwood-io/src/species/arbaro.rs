@@ -19,8 +19,9 @@ use sapwood_rules::weber_penn::{Accepted, Key, LeafShape, Origin, Species, Value
 
 use self::outline::BreaksOff;
 use super::found::Found;
-use super::source::{Source, shortened, shortened_to};
+use super::source::{Source, shortened};
 use crate::spelling::nearest;
+use crate::spelling::shortened_to;
 use crate::{Error, ErrorKind};
 
 /// The paper's keys that Arbaro dropped.

@@ -54,20 +54,7 @@ impl<'a> Source<'a> {
 
 /// `text` on one line and no longer than a message can bear.
 pub(super) fn shortened(text: &str) -> String {
-    shortened_to(40, text)
-}
-
-/// `text` on one line, cut off after `longest` characters.
-pub(super) fn shortened_to(longest: usize, text: &str) -> String {
-    let mut short = String::new();
-    for (i, word) in text.split_whitespace().enumerate() {
-        short.extend((i > 0).then_some(' '));
-        short.extend(word.chars().take(longest + 1));
-        if short.chars().count() > longest {
-            return short.chars().take(longest).chain("...".chars()).collect();
-        }
-    }
-    short
+    crate::spelling::shortened_to(40, text)
 }
 
 #[cfg(test)]
