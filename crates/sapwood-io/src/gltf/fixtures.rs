@@ -114,7 +114,7 @@ pub(super) fn light_node(light: &Light, index: Index<punctual::Light>) -> json::
     let khr_lights_punctual = Some(punctual::KhrLightsPunctual { light: index });
     json::Node {
         name: named(&light.name),
-        extensions: Some(scene::Node { khr_lights_punctual }),
+        extensions: Some(scene::Node { khr_lights_punctual, ..Default::default() }),
         ..Default::default()
     }
 }
@@ -146,6 +146,6 @@ pub(super) fn label_node(label: &Label) -> json::Node {
 /// Puts the lights where the extension has them.
 pub(super) fn declare_lights(document: &mut json::Root, lights: Vec<punctual::Light>) {
     document.extensions_used.push(LIGHTS.to_owned());
-    document.extensions =
-        Some(root::Root { khr_lights_punctual: Some(root::KhrLightsPunctual { lights }) });
+    let khr_lights_punctual = Some(root::KhrLightsPunctual { lights });
+    document.extensions = Some(root::Root { khr_lights_punctual, ..Default::default() });
 }

@@ -11,12 +11,14 @@ use json::texture::Info;
 use json::validation::{Checked::Valid, USize64};
 use sapwood_geom::{Digest, FixedMap, Image, Shared, fixed_state};
 use sapwood_graph::{Alpha, Material};
+use serde_json::json;
 
 use super::buffer::BufferBuilder;
 use super::document::named;
 use crate::png::png_bytes;
 
 const EMISSIVE_STRENGTH: &str = "KHR_materials_emissive_strength";
+const DIFFUSE_TRANSMISSION: &str = "KHR_materials_diffuse_transmission";
 
 /// The materials of a document. The bytes of images lie in its buffer behind all geometry.
 pub(super) struct Materials {
@@ -85,22 +87,18 @@ impl Materials {
                 return Err(format!("a least coverage of {least} (accepted: 0 to 1)"));
             }
         };
+        if !(0.0..=1.0).contains(&material.translucency) {
+            return Err(format!("a translucency of {} (accepted: 0 to 1)", material.translucency));
+        }
         let (emissive, strength) = emission(material.emissive)?;
-        let extensions = strength.map(|strength| {
-            let is_new = root.extensions_used.iter().all(|known| known != EMISSIVE_STRENGTH);
-            if is_new {
-                root.extensions_used.push(EMISSIVE_STRENGTH.to_owned());
-            }
-            let emissive_strength = EmissiveStrengthFactor(strength);
-            json::extensions::material::Material {
-                emissive_strength: Some(EmissiveStrength { emissive_strength }),
-            }
-        });
         let images = &material.images;
         let mut texture = |image: &Option<Shared<Image>>| {
             image.as_ref().map(|image| self.texture(root, image)).transpose()
         };
         let normal = texture(&images.normal)?;
+        let base_color = texture(&images.base_color)?;
+        let metallic_roughness = texture(&images.metallic_roughness)?;
+        let emissive_image = texture(&images.emissive)?;
         Ok(json::Material {
             name: named(&material.name),
             alpha_mode: Valid(alpha_mode),
@@ -108,10 +106,10 @@ impl Materials {
             double_sided: material.double_sided,
             pbr_metallic_roughness: PbrMetallicRoughness {
                 base_color_factor: PbrBaseColorFactor(material.base_color),
-                base_color_texture: texture(&images.base_color)?.map(info),
+                base_color_texture: base_color.map(info),
                 metallic_factor: StrengthFactor(material.metallic),
                 roughness_factor: StrengthFactor(material.roughness),
-                metallic_roughness_texture: texture(&images.metallic_roughness)?.map(info),
+                metallic_roughness_texture: metallic_roughness.map(info),
                 ..Default::default()
             },
             normal_texture: normal.map(|index| NormalTexture {
@@ -121,9 +119,9 @@ impl Materials {
                 extensions: None,
                 extras: None,
             }),
-            emissive_texture: texture(&images.emissive)?.map(info),
+            emissive_texture: emissive_image.map(info),
             emissive_factor: EmissiveFactor(emissive),
-            extensions,
+            extensions: extensions(root, material, base_color, strength),
             ..Default::default()
         })
     }
@@ -176,6 +174,47 @@ impl Materials {
             buffer.add_image(image);
         }
     }
+}
+
+/// What glTF itself has no place for; nothing where the material has nothing of the kind.
+fn extensions(
+    root: &mut json::Root,
+    material: &Material,
+    base_color: Option<Index<json::Texture>>,
+    strength: Option<f32>,
+) -> Option<json::extensions::material::Material> {
+    let mut extensions = json::extensions::material::Material::default();
+    if let Some(strength) = strength {
+        declare(root, EMISSIVE_STRENGTH);
+        let emissive_strength = EmissiveStrengthFactor(strength);
+        extensions.emissive_strength = Some(EmissiveStrength { emissive_strength });
+    }
+    if material.translucency > 0.0 {
+        declare(root, DIFFUSE_TRANSMISSION);
+        let extension = transmission(material, base_color);
+        extensions.others.insert(DIFFUSE_TRANSMISSION.to_owned(), extension);
+    }
+    (strength.is_some() || material.translucency > 0.0).then_some(extensions)
+}
+
+fn declare(root: &mut json::Root, extension: &str) {
+    if root.extensions_used.iter().all(|known| known != extension) {
+        root.extensions_used.push(extension.to_owned());
+    }
+}
+
+/// The extension's colour tints what comes through in the base colour's stead, so it is the base
+/// colour once more.
+fn transmission(material: &Material, base_color: Option<Index<json::Texture>>) -> json::Value {
+    let [red, green, blue, _] = material.base_color;
+    let mut extension = json!({
+        "diffuseTransmissionFactor": material.translucency,
+        "diffuseTransmissionColorFactor": [red, green, blue],
+    });
+    if let Some(texture) = base_color {
+        extension["diffuseTransmissionColorTexture"] = json!({ "index": texture.value() });
+    }
+    extension
 }
 
 fn info(index: Index<json::Texture>) -> Info {

@@ -9,6 +9,8 @@ use sapwood_graph::{
     LightShape, Material, Named, Occurrence,
 };
 
+use gltf_json as json;
+
 use super::*;
 
 struct Tree;
@@ -299,6 +301,31 @@ fn images_are_embedded_once() {
 }
 
 #[test]
+fn what_comes_through_a_leaf_has_the_colour_of_the_leaf() {
+    let leaf =
+        Material { translucency: 0.25, base_color: [0.5, 0.75, 0.25, 1.0], ..leaf_material() };
+    let plain = Material { translucency: 0.5, ..Material::matte("paper", 1.0, 1.0, 1.0) };
+    let mut list = lone(painted(leaf));
+    list.bodies[0].rows.push(painted(plain));
+    let bytes = glb_bytes(&list).unwrap();
+    let root = json::Root::from_slice(&Glb::from_slice(&bytes).unwrap().json).unwrap();
+    let name = "KHR_materials_diffuse_transmission";
+    assert!(root.extensions_used.iter().any(|used| used == name));
+    let of = |i: usize| &root.materials[i].extensions.as_ref().unwrap().others[name];
+    assert_eq!(
+        of(0).to_string(),
+        "{\"diffuseTransmissionColorFactor\":[0.5,0.75,0.25],\
+         \"diffuseTransmissionColorTexture\":{\"index\":1},\"diffuseTransmissionFactor\":0.25}"
+    );
+    assert_eq!(
+        of(1).to_string(),
+        "{\"diffuseTransmissionColorFactor\":[1.0,1.0,1.0],\"diffuseTransmissionFactor\":0.5}"
+    );
+    let color = root.materials[0].pbr_metallic_roughness.base_color_texture.as_ref().unwrap();
+    assert_eq!(color.index.value(), 1);
+}
+
+#[test]
 fn materials_with_impossible_numbers_are_refused() {
     let check = |material: Material, expected: &str| {
         let error = glb_bytes(&lone(painted(material))).unwrap_err().to_string();
@@ -312,6 +339,10 @@ fn materials_with_impossible_numbers_are_refused() {
     check(
         Material { emissive: [0.0, -1.0, 0.0], ..good.clone() },
         "has an emission of -1 (accepted: 0 or more)",
+    );
+    check(
+        Material { translucency: 1.5, ..good.clone() },
+        "material 'good' has a translucency of 1.5 (accepted: 0 to 1)",
     );
     let mut bad = good;
     let image = Image { width: 2, height: 2, pixels: Vec::new() };
