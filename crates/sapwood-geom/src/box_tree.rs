@@ -7,7 +7,9 @@ use glam::Vec3A;
 use obvhs::bvh2::{leaf_collapser, node::Bvh2Node, reinsertion::ReinsertionOptimizer};
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 
-use crate::{Aabb, Ray};
+use smallvec::SmallVec;
+
+use crate::{Aabb, Ray, Ray32};
 
 /// Up to so many things are looked at one by one.
 const FEW: usize = 8;
@@ -107,6 +109,56 @@ impl BoxTree {
             let (left, right) = ((first, meet(first)), (first + 1, meet(first + 1)));
             // The stack gives back the last first.
             stack.extend(if left.1 <= right.1 { [right, left] } else { [left, right] });
+        }
+    }
+}
+
+/// Going along rays in single precision.
+impl BoxTree {
+    /// Calls `each` for the number of every thing whose box the ray meets nearer than `reach`, and
+    /// of a few more, roughly from near to far, until `each` tells that the ray does not reach
+    /// any farther than it went already. `each` tells how far the ray reaches from then on.
+    #[inline]
+    pub fn along32(&self, ray: &Ray32, mut reach: f32, mut each: impl FnMut(u32) -> f32) {
+        let Some(enters) = ray.enters(&self.all) else { return };
+        if enters > reach {
+            return;
+        }
+        if self.nodes.is_empty() {
+            for item in &self.items {
+                each(*item);
+            }
+            return;
+        }
+        let meet = |node: u32| {
+            let node = &self.nodes[node as usize];
+            ray.enters_between(node.min, node.max).unwrap_or(f32::INFINITY)
+        };
+        // Deep enough for any tree that is not made to be deep; else it goes on elsewhere.
+        let mut stack: SmallVec<[(u32, f32); 48]> = SmallVec::new();
+        let mut next = (0, enters);
+        loop {
+            if next.1 <= reach {
+                let node = &self.nodes[next.0 as usize];
+                let first = node.first_index;
+                if node.is_leaf() {
+                    for item in &self.items[first as usize..(first + node.prim_count) as usize] {
+                        reach = each(*item);
+                    }
+                } else {
+                    let (left, right) = ((first, meet(first)), (first + 1, meet(first + 1)));
+                    let (near, far) = if left.1 <= right.1 { (left, right) } else { (right, left) };
+                    if far.1 <= reach && far.1 < f32::INFINITY {
+                        stack.push(far);
+                    }
+                    if near.1 < f32::INFINITY {
+                        next = near;
+                        continue;
+                    }
+                }
+            }
+            let Some(popped) = stack.pop() else { return };
+            next = popped;
         }
     }
 }

@@ -14,6 +14,7 @@ mod mesh;
 mod mesh_bvh;
 mod polyline;
 mod ray;
+mod ray32;
 mod section;
 #[cfg(test)]
 mod shapes;
@@ -29,9 +30,10 @@ pub use digest::{Content, Digest, Digester, Shared};
 pub use fixed_map::{FixedMap, FixedSet, fixed_state};
 pub use image::Image;
 pub use mesh::{Mesh, SharedMesh};
-pub use mesh_bvh::{MeshBvh, MeshHit, Sides, closest_on_transformed};
+pub use mesh_bvh::{MeshBvh, MeshHit, MeshHit32, Sides, closest_on_transformed};
 pub use polyline::Polyline;
 pub use ray::Ray;
+pub use ray32::Ray32;
 pub use section::Section;
 #[cfg(feature = "simplify")]
 pub use simplify::Simplify;

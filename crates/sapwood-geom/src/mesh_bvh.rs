@@ -3,9 +3,9 @@
 //! The test of a triangle leaves no gap between triangles that share an edge (S. Woop, C.
 //! Benthin, I. Wald: "Watertight Ray/Triangle Intersection", JCGT 2013, here in `f64`).
 
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec3, Vec3};
 
-use crate::{Aabb, BoxTree, Mesh, Ray};
+use crate::{Aabb, BoxTree, Mesh, Ray, Ray32};
 
 /// A tree over a mesh's triangles, so that a ray looks at few of them.
 #[derive(Debug)]
@@ -66,6 +66,91 @@ impl MeshBvh {
         });
         closest
     }
+}
+
+/// Where a ray in single precision meets a mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeshHit32 {
+    /// In lengths of the ray's direction.
+    pub distance: f32,
+    /// The number of the triangle.
+    pub triangle: u32,
+    /// How much each corner of the triangle weighs at the hit; together 1.
+    pub weights: Vec3,
+    /// Whether the triangle winds counter-clockwise seen from where the ray comes from.
+    pub is_front: bool,
+}
+
+/// Rays in single precision.
+impl MeshBvh {
+    /// The nearest hit before `reach` that `accept` agrees to, on the mesh that the tree was made
+    /// of; where several are as near, that on the triangle with the smallest number.
+    pub fn nearest32(
+        &self,
+        mesh: &Mesh,
+        ray: &Ray32,
+        reach: f32,
+        mut accept: impl FnMut(&MeshHit32) -> bool,
+    ) -> Option<MeshHit32> {
+        let mut nearest: Option<MeshHit32> = None;
+        let mut limit = reach;
+        self.0.along32(ray, reach, |triangle| {
+            if let Some(hit) = meet32(mesh, ray, triangle)
+                && (hit.distance < limit
+                    || nearest.is_some_and(|old| (hit.distance, triangle) < (limit, old.triangle)))
+                && accept(&hit)
+            {
+                limit = hit.distance;
+                nearest = Some(hit);
+            }
+            limit
+        });
+        nearest
+    }
+
+    /// Whether there is any hit before `reach` that `accept` agrees to.
+    pub fn is_met32(
+        &self,
+        mesh: &Mesh,
+        ray: &Ray32,
+        reach: f32,
+        mut accept: impl FnMut(&MeshHit32) -> bool,
+    ) -> bool {
+        let mut is_met = false;
+        self.0.along32(ray, reach, |triangle| {
+            is_met = is_met
+                || meet32(mesh, ray, triangle)
+                    .is_some_and(|hit| hit.distance < reach && accept(&hit));
+            if is_met { -1.0 } else { reach }
+        });
+        is_met
+    }
+}
+
+/// Where the ray meets a triangle. On which side of an edge it passes is asked of the same two
+/// corners on both triangles of the edge, so that nothing slips through between them.
+#[inline]
+fn meet32(mesh: &Mesh, ray: &Ray32, triangle: u32) -> Option<MeshHit32> {
+    let first = 3 * triangle as usize;
+    let corner = |i| mesh.positions[mesh.indices[first + i] as usize] - ray.origin;
+    let (a, b, c) = (corner(0), corner(1), corner(2));
+    let volume = |from: Vec3, to: Vec3| ray.direction.dot(from.cross(to));
+    let weights = Vec3::new(volume(c, b), volume(a, c), volume(b, a));
+    let is_front = weights.min_element() >= 0.0;
+    if !is_front && weights.max_element() > 0.0 {
+        return None;
+    }
+    let whole = weights.element_sum();
+    let weights = weights / whole;
+    let normal = (b - a).cross(c - a);
+    let distance = a.dot(normal) / ray.direction.dot(normal);
+    // Thin triangles, seen along their plane, have no distance.
+    (distance >= 0.0 && distance.is_finite() && weights.is_finite()).then_some(MeshHit32 {
+        distance,
+        triangle,
+        weights,
+        is_front,
+    })
 }
 
 /// The nearest hit within `reach` on a mesh after a transform that may flatten it, with the ray
@@ -213,6 +298,34 @@ mod tests {
         assert_eq!(closest(&mesh, &ray.between(2.1, 9.0)), None);
         assert!(closest(&mesh, &ray.between(2.0, 2.0)).is_some());
         assert_eq!(MeshBvh::new(&mesh).closest(&mesh, &ray, 1.0, Sides::Both), None);
+    }
+
+    #[test]
+    fn rays_in_single_precision_meet_the_same() {
+        let mesh = square(8);
+        let bvh = MeshBvh::new(&mesh);
+        for i in 0..=32 {
+            for j in 0..=32 {
+                let over = Vec3::new(i as f32 / 32.0, j as f32 / 32.0, 3.0);
+                let slant = Vec3::new(0.3 - over.x, 0.6 - over.y, -3.0);
+                for direction in [Vec3::NEG_Z, slant] {
+                    let ray = Ray32::new(over, direction);
+                    let hit = bvh.nearest32(&mesh, &ray, f32::INFINITY, |_| true).unwrap();
+                    let precise = closest(&mesh, &Ray::new(over, direction)).unwrap();
+                    let metres = hit.distance * direction.length();
+                    assert!((metres - precise.distance as f32).abs() < 1e-5 && hit.is_front);
+                    assert!(bvh.is_met32(&mesh, &ray, 1.1 * hit.distance, |_| true));
+                    assert!(!bvh.is_met32(&mesh, &ray, 0.9 * hit.distance, |_| true));
+                    assert!(!bvh.is_met32(&mesh, &ray, f32::INFINITY, |_| false));
+                    let corners = [0, 1, 2].map(|k| mesh.indices[3 * hit.triangle as usize + k]);
+                    let [a, b, c] = corners.map(|corner| mesh.positions[corner as usize]);
+                    let weighted = a * hit.weights.x + b * hit.weights.y + c * hit.weights.z;
+                    assert!(weighted.distance(ray.at(hit.distance)) < 1e-5);
+                }
+            }
+        }
+        let below = Ray32::new(Vec3::new(0.3, 0.3, -1.0), Vec3::Z);
+        assert!(!bvh.nearest32(&mesh, &below, 9.0, |_| true).unwrap().is_front);
     }
 
     #[test]

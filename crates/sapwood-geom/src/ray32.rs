@@ -1,0 +1,102 @@
+//! Rays in single precision, for pictures: many, each of which may err by a rounding.
+//!
+//! Who must not err takes [`Ray`](crate::Ray) instead.
+
+use glam::{Affine3, Vec3};
+
+use crate::{Aabb, Sphere};
+
+/// A half-line whose distances count lengths of its direction, so that they stay what they are
+/// in whatever frame the ray is seen from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray32 {
+    /// Where it starts.
+    pub origin: Vec3,
+    /// Where it goes; need not have unit length.
+    pub direction: Vec3,
+    inverse: Vec3,
+}
+
+impl Ray32 {
+    /// The half-line from `origin` along `direction`.
+    pub fn new(origin: Vec3, direction: Vec3) -> Self {
+        // A large number in place of infinity, for zero times infinity is no number.
+        let inverse = |x: f32| {
+            let inverse = 1.0 / x;
+            if inverse.is_finite() { inverse } else { f32::MAX.copysign(x) }
+        };
+        let [x, y, z] = direction.to_array().map(inverse);
+        Self { origin, direction, inverse: Vec3::new(x, y, z) }
+    }
+
+    /// The point at a distance.
+    pub fn at(&self, distance: f32) -> Vec3 {
+        self.origin + self.direction * distance
+    }
+
+    /// The same ray seen from the frame that `transform` leads to; distances stay.
+    pub fn transformed(&self, transform: &Affine3) -> Self {
+        let origin = transform.transform_point3(self.origin);
+        Self::new(origin, transform.transform_vector3(self.direction))
+    }
+
+    /// The distance from which on the ray is inside a box, 0 where it starts there; nothing where
+    /// it misses the box.
+    pub fn enters(&self, aabb: &Aabb) -> Option<f32> {
+        if aabb.is_empty() { None } else { self.enters_between(aabb.min, aabb.max) }
+    }
+
+    /// As [`enters`](Self::enters), for a box between corners that are in order.
+    #[inline]
+    pub(crate) fn enters_between(&self, min: Vec3, max: Vec3) -> Option<f32> {
+        let near = (min - self.origin) * self.inverse;
+        let far = (max - self.origin) * self.inverse;
+        let enters = near.min(far).max_element().max(0.0);
+        (near.max(far).min_element() >= enters).then_some(enters)
+    }
+
+    /// The distance from which on the ray is inside a sphere, 0 where it starts there; nothing
+    /// where it misses the sphere.
+    pub fn enters_sphere(&self, sphere: &Sphere) -> Option<f32> {
+        if sphere.is_empty() {
+            return None;
+        }
+        let away = self.origin - sphere.center;
+        let square = self.direction.length_squared();
+        let half = away.dot(self.direction);
+        let rest = away.length_squared() - sphere.radius * sphere.radius;
+        if rest <= 0.0 {
+            return Some(0.0);
+        }
+        let root = half * half - square * rest;
+        (root >= 0.0 && half < 0.0).then(|| (-half - libm::sqrtf(root)) / square)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn boxes_are_entered_from_outside_and_inside() {
+        let cube = Aabb { min: Vec3::ZERO, max: Vec3::ONE };
+        let ray = |origin: Vec3, direction| Ray32::new(origin, direction).enters(&cube);
+        assert_eq!(ray(Vec3::new(-2.0, 0.5, 0.5), Vec3::X * 4.0), Some(0.5));
+        assert_eq!(ray(Vec3::splat(0.5), Vec3::Y), Some(0.0));
+        assert_eq!(ray(Vec3::new(2.0, 0.5, 0.5), Vec3::X), None);
+        // Along a face, where a difference of zero meets a step of zero.
+        assert_eq!(ray(Vec3::new(0.0, 0.5, -1.0), Vec3::Z), Some(1.0));
+        assert_eq!(Ray32::new(Vec3::ZERO, Vec3::X).enters(&Aabb::EMPTY), None);
+    }
+
+    #[test]
+    fn spheres_are_entered_from_outside_and_inside() {
+        let ball = Sphere { center: Vec3::new(5.0, 0.0, 0.0), radius: 1.0 };
+        let ray = |origin: Vec3, direction| Ray32::new(origin, direction).enters_sphere(&ball);
+        assert_eq!(ray(Vec3::ZERO, Vec3::X * 2.0), Some(2.0));
+        assert_eq!(ray(Vec3::new(5.5, 0.0, 0.0), Vec3::Y), Some(0.0));
+        assert_eq!(ray(Vec3::ZERO, Vec3::NEG_X), None);
+        assert_eq!(ray(Vec3::new(0.0, 2.0, 0.0), Vec3::X), None);
+        assert_eq!(Ray32::new(Vec3::ZERO, Vec3::X).enters_sphere(&Sphere::EMPTY), None);
+    }
+}
