@@ -9,6 +9,7 @@
 pub use sapwood_geom as geom;
 pub use sapwood_graph as graph;
 pub use sapwood_io as io;
+pub use sapwood_picture as picture;
 pub use sapwood_rules as rules;
 pub use sapwood_scene as scene;
 

@@ -1,0 +1,139 @@
+//! Images made ready to be looked up at any size.
+
+use sapwood_geom::glam::{Vec2, Vec4};
+use sapwood_geom::{Image, Shared};
+
+use crate::film::linear_of_srgb;
+
+/// An image, and the same at half the size down to one pixel.
+pub(crate) struct Texture {
+    image: Shared<Image>,
+    /// Half, a quarter, and so on.
+    smaller: Vec<Image>,
+    /// The number of every byte in a channel of colour.
+    values: [f32; 256],
+}
+
+/// What the bytes of an image mean.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Meaning {
+    /// Colours, sRGB-encoded.
+    Color,
+    /// Numbers from 0 to 1.
+    Number,
+}
+
+impl Texture {
+    /// The image must have no fault.
+    pub(crate) fn new(image: &Shared<Image>, meaning: Meaning) -> Self {
+        let values = std::array::from_fn(|byte| match meaning {
+            Meaning::Color => linear_of_srgb(byte as u8),
+            Meaning::Number => byte as f32 / 255.0,
+        });
+        let mut smaller: Vec<Image> = Vec::new();
+        loop {
+            let last = smaller.last().unwrap_or(image);
+            if last.width.max(last.height) == 1 {
+                break;
+            }
+            smaller.push(halved(last));
+        }
+        Self { image: image.clone(), smaller, values }
+    }
+
+    /// Pixels in all.
+    pub(crate) fn n_pixels(&self) -> f32 {
+        self.image.width as f32 * self.image.height as f32
+    }
+
+    /// The value at a texture coordinate, between the four pixels around it, where about
+    /// `footprint` pixels in a row are seen as one.
+    pub(crate) fn at(&self, uv: Vec2, footprint: f32) -> Vec4 {
+        let level = if footprint > 1.0 { libm::ilogbf(1.5 * footprint).max(0) as usize } else { 0 };
+        let image = match level.min(self.smaller.len()) {
+            0 => &*self.image,
+            level => &self.smaller[level - 1],
+        };
+        let (width, height) = (image.width, image.height);
+        // Only the part behind the point counts, for images repeat.
+        let place = |coordinate: f32, n: u32| {
+            let coordinate = coordinate - coordinate.floor();
+            let place = coordinate * n as f32 - 0.5;
+            let first = place.floor();
+            let after = place - first;
+            let first = (first + n as f32) as u32 % n;
+            (first, (first + 1) % n, after)
+        };
+        let (left, right, to_right) = place(uv.x, width);
+        let (top, bottom, to_bottom) = place(uv.y, height);
+        let pixel = |x: u32, y: u32| {
+            let [r, g, b, a] = image.pixels[(y * width + x) as usize];
+            let value = |byte: u8| self.values[usize::from(byte)];
+            Vec4::new(value(r), value(g), value(b), f32::from(a) / 255.0)
+        };
+        let above = pixel(left, top).lerp(pixel(right, top), to_right);
+        above.lerp(pixel(left, bottom).lerp(pixel(right, bottom), to_right), to_bottom)
+    }
+}
+
+/// The image at half its size; each pixel is the mean of four, as far as they are there.
+fn halved(image: &Image) -> Image {
+    let (width, height) = ((image.width / 2).max(1), (image.height / 2).max(1));
+    Image::from_fn(width, height, |x, y| {
+        let mut sums = [0u32; 4];
+        let mut weight = 0;
+        for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+            let (x, y) = ((2 * x + dx).min(image.width - 1), (2 * y + dy).min(image.height - 1));
+            let [r, g, b, a] = image.pixels[(y * image.width + x) as usize].map(u32::from);
+            // Pixels that are nearly not there must colour nothing, and count all the same
+            // where none is there.
+            let share = a * 16 + 1;
+            for (sum, value) in sums.iter_mut().zip([r * share, g * share, b * share]) {
+                *sum += value;
+            }
+            sums[3] += a;
+            weight += share;
+        }
+        let [r, g, b, a] = sums;
+        let mean = |sum: u32| ((sum + weight / 2) / weight) as u8;
+        [mean(r), mean(g), mean(b), ((a + 2) / 4) as u8]
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn numbers(width: u32, height: u32, pixel: impl Fn(u32, u32) -> [u8; 4]) -> Texture {
+        Texture::new(&Shared::new(Image::from_fn(width, height, pixel)), Meaning::Number)
+    }
+
+    #[test]
+    fn pixels_lie_at_their_middles_and_repeat() {
+        let texture = numbers(4, 2, |x, y| [51 * x as u8, 255 * y as u8, 0, 255]);
+        let at = |x: f32, y: f32| texture.at(Vec2::new(x, y), 0.0);
+        for turn in [-1.0, 0.0, 5.0] {
+            assert!((at(0.375 + turn, 0.25).x - 0.2).abs() < 1e-5);
+            assert!((at(0.5 + turn, 0.5).x - 0.3).abs() < 1e-5);
+            // Between the last and the first.
+            assert!((at(turn, 0.25).x - 0.3).abs() < 1e-5);
+        }
+        assert!((at(0.1, 0.75).y - 1.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn from_afar_the_mean_is_seen() {
+        let texture = numbers(8, 8, |x, y| [255 * ((x + y) % 2) as u8, 0, 0, 255]);
+        assert!((texture.at(Vec2::splat(0.3), 8.0).x - 0.5).abs() < 0.01);
+        assert!((texture.at(Vec2::splat(0.3), 1e9).x - 0.5).abs() < 0.01);
+        let odd = numbers(5, 1, |_, _| [102, 0, 0, 255]);
+        assert!((odd.at(Vec2::splat(0.3), 4.0).x - 0.4).abs() < 0.01);
+    }
+
+    #[test]
+    fn what_is_not_there_colours_nothing() {
+        let texture = numbers(2, 1, |x, _| if x == 0 { [200, 0, 0, 255] } else { [0; 4] });
+        let mean = texture.at(Vec2::splat(0.3), 2.0);
+        assert!((mean.x - 200.0 / 255.0).abs() < 0.02 && (mean.w - 0.5).abs() < 0.01);
+    }
+}
