@@ -6,6 +6,7 @@ mod edits;
 mod errors;
 mod events;
 mod explain;
+mod ingredients;
 mod kinds;
 mod moving;
 mod picking;

@@ -101,6 +101,11 @@ fn a_dropped_read_is_caught() {
 }
 
 #[test]
+fn a_dropped_read_of_an_ingredient_is_caught() {
+    check_caught(PlantedFault::DroppedIngredient);
+}
+
+#[test]
 fn a_wrong_early_stop_is_caught() {
     check_caught(PlantedFault::EarlyStop);
 }

@@ -10,3 +10,4 @@ mod inspection;
 mod rule_set;
 mod rules;
 mod staircase;
+mod timber;

@@ -9,7 +9,7 @@ use crate::rules::RuleIdentity;
 /// What happened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Action {
-    /// A rule's `init` ran.
+    /// A rule's `init` ran; told once where it was begun again for the sake of an ingredient.
     Compiled,
     /// A plan was found that answers to what was read, and used again.
     Reused,

@@ -7,6 +7,8 @@ pub enum PlantedFault {
     DroppedMark,
     /// Reads of placement are not recorded.
     DroppedRead,
+    /// What was read for an ingredient is not counted as read by who asked for it.
+    DroppedIngredient,
     /// A plan made anew is taken to equal the one before.
     EarlyStop,
     /// What is forced is left out of the keys of sites.

@@ -144,6 +144,7 @@ impl Scene {
         match fault {
             crate::PlantedFault::DroppedMark => self.graph.drops_marks = true,
             crate::PlantedFault::DroppedRead => self.drops_reads = true,
+            crate::PlantedFault::DroppedIngredient => self.cache.drops_ingredients = true,
             crate::PlantedFault::EarlyStop => self.cache.stops_early = true,
             crate::PlantedFault::ForgottenForce => self.cache.forgets_forced = true,
             crate::PlantedFault::KeptDriven => self.graph.keeps_driven = true,

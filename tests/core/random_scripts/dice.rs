@@ -60,6 +60,7 @@ impl Dice {
             plain_factor: 1 + self.below(3) as u32,
             placed_is_flat: self.chance(30),
             has_tagged: self.chance(80),
+            yarn_factor: self.chance(85).then(|| 1 + self.below(2) as u32),
         }
     }
 
@@ -172,7 +173,7 @@ impl Dice {
     }
 
     fn leaf(&mut self) -> What {
-        match self.below(17) {
+        match self.below(18) {
             0 | 1 => What::Placed,
             2 | 3 => What::Sized,
             4 => What::Tagged,
@@ -188,6 +189,7 @@ impl Dice {
                 1 => What::Camera(self.positive()),
                 _ => What::Label(self.positive()),
             },
+            15 => What::Woven(self.below(4) as u32),
             _ => What::Plain(self.size()),
         }
     }
@@ -216,6 +218,7 @@ impl Dice {
             What::Plain(_) => What::Plain(self.size()),
             What::Nest(_) => What::Nest(self.below(4) as u32),
             What::Fragile(_) => What::Fragile(self.below(4) as u32),
+            What::Woven(_) => What::Woven(self.below(4) as u32),
             same => same,
         }
     }

@@ -62,6 +62,8 @@ kinds! {
     Chooser {} "chooser" None;
     Nest { depth: u32 } "nest" None;
     Fragile { value: u32 } "fragile" None;
+    Yarn { depth: u32 } "yarn" None;
+    Woven { depth: u32 } "woven" None;
     Porch { tag: u32 } "porch" Many;
     Spinner { speed: f32 } "spinner" Many;
 }
@@ -117,6 +119,16 @@ rules! {
             Fate::Panics => panic!("fragile panicked on purpose"),
         }
     };
+    // Made of yarn; every other one does without where that cannot be had.
+    WovenRule Woven |woven, cx| {
+        let yarn = cx.ingredient::<f32>(Yarn { depth: woven.depth });
+        if let (Err(why), true) = (&yarn, woven.depth.is_multiple_of(2)) {
+            return Err(why.clone());
+        }
+        draw(cx, yarn.map_or(0.25, |size| *size))?;
+        cx.emit(Yarn { depth: woven.depth });
+        Ok(())
+    };
     PorchRule Porch |porch, cx| {
         cx.emit(Sized);
         cx.push::<Tag>(porch.tag, Context::children);
@@ -137,6 +149,32 @@ impl Rule for ScaledPlainRule {
     }
     fn init(&self, plain: &Plain, cx: &mut Context<'_>) -> Result<(), RuleError> {
         draw(cx, plain.size * self.0 as f32)
+    }
+}
+
+/// Yarn is made of yarn, or reads this or that; and it is drawn where it is a child.
+struct YarnRule(u32);
+impl Rule for YarnRule {
+    type Component = Yarn;
+    type Data = f32;
+    const NAME: &'static str = "yarn";
+    fn settings(&self, digester: &mut Digester) {
+        digester.add(&self.0);
+    }
+    fn init(&self, yarn: &Yarn, cx: &mut Context<'_>) -> Result<f32, RuleError> {
+        let size = match yarn.depth.checked_sub(1) {
+            Some(depth) => yarn_step(*cx.ingredient::<f32>(Yarn { depth })?, self.0),
+            None => match yarn_source(*cx.read::<Tag>()) {
+                Source::Size => *cx.read::<Size>(),
+                Source::Placement => placed_size(&cx.read::<Placement>()),
+                Source::Path => keyed_size(*cx.read::<ChildPath>()),
+                Source::Cell => gridded_size(cx.project(Cell { size: CELL })),
+                Source::Failure => return Err(RuleError::Failed("no yarn".to_owned())),
+                Source::Panic => panic!("yarn panicked on purpose"),
+            },
+        };
+        draw(cx, size)?;
+        Ok(size)
     }
 }
 
@@ -225,12 +263,39 @@ pub(super) fn fragile_fate(value: u32, size: f32) -> Fate {
     }
 }
 
+/// What the last yarn of all takes its size from.
+pub(super) enum Source {
+    Size,
+    Placement,
+    Path,
+    Cell,
+    Failure,
+    Panic,
+}
+
+pub(super) fn yarn_source(tag: u32) -> Source {
+    match tag % 9 {
+        0..=2 => Source::Size,
+        3 | 4 => Source::Placement,
+        5 => Source::Path,
+        6 => Source::Cell,
+        7 => Source::Failure,
+        _ => Source::Panic,
+    }
+}
+
+pub(super) fn yarn_step(below: f32, factor: u32) -> f32 {
+    below + 0.5 * factor as f32
+}
+
 /// Which rules a view has.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Variant {
     pub(super) plain_factor: u32,
     pub(super) placed_is_flat: bool,
     pub(super) has_tagged: bool,
+    /// The setting of the rule for yarn, if there is one.
+    pub(super) yarn_factor: Option<u32>,
 }
 
 impl Variant {
@@ -244,6 +309,7 @@ impl Variant {
             .with(ChooserRule)
             .with(NestRule)
             .with(FragileRule)
+            .with(WovenRule)
             .with(PorchRule)
             .with(SpinnerRule)
             .with(KitRule::<Knob>::new())
@@ -254,6 +320,9 @@ impl Variant {
         }
         if self.has_tagged {
             top = top.with(TaggedRule);
+        }
+        if let Some(factor) = self.yarn_factor {
+            top = top.with(YarnRule(factor));
         }
         top.over(&base)
     }

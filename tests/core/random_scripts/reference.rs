@@ -162,12 +162,7 @@ impl Evaluation<'_> {
             What::Tagged if self.view.variant.has_tagged => {
                 self.draw(here, tagged_size(here.tag.value));
             }
-            What::Tagged => {
-                // Without a rule there is no plan to count.
-                *self.found.counts.entry("tagged").or_default() -= 1;
-                self.found.counts.retain(|_, n| *n > 0);
-                self.found.errors.push("tagged");
-            }
+            What::Tagged => self.unserved("tagged"),
             What::Keyed => self.draw(here, keyed_size(here.path.value)),
             What::Gridded => self.draw(here, gridded_size(cell_of(&here.place.value))),
             What::Sided => {
@@ -189,6 +184,18 @@ impl Evaluation<'_> {
             What::Fragile(value) => match fragile_fate(value, here.size.value) {
                 Fate::Draws => self.draw(here, here.size.value + 0.25),
                 Fate::Fails | Fate::Panics => self.found.errors.push("fragile"),
+            },
+            What::Woven(depth) => match self.yarn(here, depth) {
+                None if depth.is_multiple_of(2) => self.found.errors.push("woven"),
+                size => {
+                    self.draw(here, size.unwrap_or(0.25));
+                    self.emitted(&What::Yarn(depth), &here.child(0, 0));
+                }
+            },
+            What::Yarn(_) if self.view.variant.yarn_factor.is_none() => self.unserved("yarn"),
+            What::Yarn(depth) => match self.yarn(here, depth) {
+                Some(size) => self.draw(here, size),
+                None => self.found.errors.push("yarn"),
             },
             What::Held { size, look } => match here.style.value {
                 Style::Solid => {
@@ -213,6 +220,28 @@ impl Evaluation<'_> {
             What::Label(_) => self.found.errors.push("label"),
             ref other => panic!("{other:?} is no leaf"),
         }
+    }
+
+    /// Without a rule there is no plan to count.
+    fn unserved(&mut self, kind: &'static str) {
+        *self.found.counts.entry(kind).or_default() -= 1;
+        self.found.counts.retain(|_, n| *n > 0);
+        self.found.errors.push(kind);
+    }
+
+    /// The size of yarn; nothing where there is none.
+    fn yarn(&self, here: &Here, depth: u32) -> Option<f32> {
+        let factor = self.view.variant.yarn_factor?;
+        let Some(less) = depth.checked_sub(1) else {
+            return match yarn_source(here.tag.value) {
+                Source::Size => Some(here.size.value),
+                Source::Placement => Some(placed_size(&here.place.value)),
+                Source::Path => Some(keyed_size(here.path.value)),
+                Source::Cell => Some(gridded_size(cell_of(&here.place.value))),
+                Source::Failure | Source::Panic => None,
+            };
+        };
+        Some(yarn_step(self.yarn(here, less)?, factor))
     }
 
     fn count(&mut self, kind: &'static str) {
@@ -408,5 +437,7 @@ fn kind_name(what: &What) -> &'static str {
         What::Chooser => "chooser",
         What::Nest(_) => "nest",
         What::Fragile(_) => "fragile",
+        What::Woven(_) => "woven",
+        What::Yarn(_) => "yarn",
     }
 }

@@ -40,6 +40,8 @@ pub(super) enum What {
     Chooser,
     Nest(u32),
     Fragile(u32),
+    Woven(u32),
+    Yarn(u32),
 }
 
 /// The parameters of a rotor.
@@ -102,6 +104,7 @@ impl What {
         match self {
             Self::Nest(depth) => 6 + 5 * u64::from(*depth),
             Self::Porch(_) => 3,
+            Self::Woven(_) => 2,
             _ => 1,
         }
     }
@@ -142,6 +145,8 @@ impl What {
             Self::Chooser => scene.add(Chooser {}).id(),
             Self::Nest(depth) => scene.add(Nest { depth }).id(),
             Self::Fragile(value) => scene.add(Fragile { value }).id(),
+            Self::Woven(depth) => scene.add(Woven { depth }).id(),
+            Self::Yarn(depth) => scene.add(Yarn { depth }).id(),
         }
     }
 
@@ -174,6 +179,8 @@ impl What {
             Self::Plain(size) => edit!(Plain, Plain { size }),
             Self::Nest(depth) => edit!(Nest, Nest { depth }),
             Self::Fragile(value) => edit!(Fragile, Fragile { value }),
+            Self::Woven(depth) => edit!(Woven, Woven { depth }),
+            Self::Yarn(depth) => edit!(Yarn, Yarn { depth }),
             Self::Keyed => edit!(Keyed, Keyed {}),
             Self::Group
             | Self::Placed

@@ -14,7 +14,7 @@ use super::plan_group::PlanGroup;
 use crate::NodeId;
 use crate::column::{AnyColumn, Column};
 use crate::log::EventLog;
-use crate::rules::{AnyRule, NO_SCOPE, Read, RuleIdentity, Scope, no_data};
+use crate::rules::{AnyRule, Ingredients, NO_SCOPE, Read, RuleIdentity, Scope, no_data};
 use crate::semantic::{ComponentRow, Storage};
 use crate::slots::SlotKey;
 
@@ -50,6 +50,8 @@ pub(crate) struct Plan {
     /// The row in the rule's own column; none for an error plan.
     pub(crate) data: Option<u32>,
     pub(crate) error: Option<Box<Diagnostic>>,
+    /// The plans whose data it was made of; they live as long as it does.
+    pub(crate) ingredients: Option<Box<Ingredients>>,
     /// The sets of slots by which sites of this plan are found.
     pub(crate) slot_sets: SmallVec<[Arc<[SlotKey]>; 1]>,
 }
@@ -154,6 +156,8 @@ pub(crate) struct Cache {
     pub(crate) stops_early: bool,
     #[cfg(feature = "planted-faults")]
     pub(crate) forgets_forced: bool,
+    #[cfg(feature = "planted-faults")]
+    pub(crate) drops_ingredients: bool,
 }
 
 /// How much could be reached from the views.
@@ -193,11 +197,19 @@ impl Cache {
             stops_early: false,
             #[cfg(feature = "planted-faults")]
             forgets_forced: false,
+            #[cfg(feature = "planted-faults")]
+            drops_ingredients: false,
         }
     }
 
     pub(crate) fn plan_of(&self, site: SiteId) -> &Plan {
         &self.plans[self.sites[site.0].plan]
+    }
+
+    /// The plans that a plan was made of, without what those were made of.
+    pub(crate) fn ingredients_of(&self, plan: u32) -> impl Iterator<Item = u32> + '_ {
+        let ingredients = self.plans[plan].ingredients.iter();
+        ingredients.flat_map(|made_of| made_of.list.iter().map(|ingredient| ingredient.plan))
     }
 
     /// The kind that a plan was compiled from.
@@ -271,6 +283,7 @@ impl Cache {
             slots: Arc::default(),
             data: None,
             error: None,
+            ingredients: None,
             slot_sets: SmallVec::new(),
         });
         SiteId(self.sites.insert(Site {

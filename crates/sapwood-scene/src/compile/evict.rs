@@ -28,7 +28,12 @@ impl Cache {
             }
         }
         let mut plans: FixedSet<u32> = FixedSet::with_hasher(fixed_state());
-        plans.extend(sites.iter().map(|site| self.sites[*site].plan));
+        let mut stack: Vec<u32> = sites.iter().map(|site| self.sites[*site].plan).collect();
+        while let Some(plan) = stack.pop() {
+            if plans.insert(plan) {
+                stack.extend(self.ingredients_of(plan));
+            }
+        }
         self.evict_sites(&sites);
         self.evict_plans(&plans);
         self.evict_emitted();

@@ -28,16 +28,10 @@ impl Pull<'_> {
             Target::View(_) | Target::Emitted(_) => 0,
         };
         if let Some(plan) = self.find(target, rule, revision, env, &memories) {
-            let identity = self.cache.rules[rule as usize].identity;
-            self.cache.log.note(Action::Reused, &identity, target);
-            if self.cache.is_checking {
-                self.check(plan, env)?;
-            }
+            self.note_reused(plan, env)?;
             return Ok(plan);
         }
-        let limits = self.limits();
-        let draft = self.init(target, rule, env, memories, &limits)?;
-        let new = self.publish(target, rule, revision, draft)?;
+        let new = self.make(target, rule, revision, env, &memories)?;
         let kept = self.equal_outdated(target, rule, new).unwrap_or(new);
         if kept != new {
             self.cache.remove_plan(new);
@@ -45,6 +39,14 @@ impl Pull<'_> {
         }
         self.enlist(target, rule, kept);
         Ok(kept)
+    }
+
+    /// Notes that a plan answers to a place, and distrusts it in check mode.
+    pub(super) fn note_reused(&mut self, plan: u32, env: EnvId) -> Result<(), Interrupted> {
+        let Plan { target, rule, .. } = self.cache.plans[plan];
+        let identity = self.cache.rules[rule as usize].identity;
+        self.cache.log.note(Action::Reused, &identity, target);
+        if self.cache.is_checking { self.check(plan, env) } else { Ok(()) }
     }
 
     /// What projections remember of the plan that stood at a place before.
@@ -101,7 +103,7 @@ impl Pull<'_> {
     }
 
     /// Makes a plan findable by its reads.
-    fn enlist(&mut self, target: Target, rule: u32, plan: u32) {
+    pub(super) fn enlist(&mut self, target: Target, rule: u32, plan: u32) {
         let Cache { plans, groups, rules, .. } = &mut *self.cache;
         let row = &plans[plan];
         let group = groups.entry((target, rule)).or_default();

@@ -1,16 +1,20 @@
 //! Running a rule's `init`, and distrusting it.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
 
+use sapwood_geom::{FixedSet, fixed_state};
 use sapwood_graph::{EnvId, Interrupted};
 
-use super::cache::Target;
+use super::cache::{Plan, Target};
+use super::ingredients::{Allowance, PlansOfView};
 use super::pull::Pull;
 use super::pushes::Pushes;
-use crate::log::Action;
 use crate::panic::words_of;
-use crate::rules::{Context, Draft, Limits, Memories, RuleError};
-use crate::slots::SlotReader;
+use crate::rules::{
+    Context, Draft, Ingredient, Ingredients, Limits, Memories, Need, Read, RuleError, Stock,
+};
+use crate::slots::{SlotKey, SlotReader};
 
 impl Pull<'_> {
     /// What the view may still compile.
@@ -23,31 +27,35 @@ impl Pull<'_> {
             n_plans: self.cache.plans.len() as u64,
             #[cfg(feature = "planted-faults")]
             drops_reads: self.drops_reads,
+            #[cfg(feature = "planted-faults")]
+            drops_ingredients: self.cache.drops_ingredients,
         }
     }
 
-    /// Runs the rule on a component in an environment. A failure or a panic becomes the draft
-    /// of an error plan; an interruption becomes nothing.
+    /// Runs the rule on a component in an environment, made of the `known` ingredients and of
+    /// others that are there. A failure or a panic becomes the draft of an error plan; an
+    /// interruption becomes nothing.
     pub(super) fn init(
         &mut self,
         target: Target,
         rule: u32,
         env: EnvId,
-        memories: Memories,
+        memories: &Memories,
+        known: &[Ingredient],
         limits: &Limits,
-    ) -> Result<Draft, Interrupted> {
+    ) -> Result<Outcome, Interrupted> {
         limits.check_cancelled()?;
         let identity = self.cache.rules[rule as usize].identity;
-        self.cache.log.note(Action::Compiled, &identity, target);
         let Self { graph, cache, view, environments, .. } = self;
         let environments = environments.get_mut().unwrap_or_else(|broken| broken.into_inner());
-        let pushes = Pushes { cache, view };
+        let (pushes, plans) = (Pushes { cache, view }, PlansOfView { cache, view });
         let node = match target {
             Target::Authored(node) => Some(node),
             Target::View(_) | Target::Emitted(_) => None,
         };
         let slots = SlotReader::new(&pushes, environments, env);
-        let mut cx = Context::new(slots, graph, node, memories, limits, identity.kind);
+        let stock = Stock { plans: &plans, known };
+        let mut cx = Context::new(slots, graph, node, memories, stock, limits, identity.kind);
         let component = match target {
             Target::Authored(node) => graph.effective(node),
             Target::View(_) => Err("a view's root is no component".to_owned()),
@@ -57,43 +65,70 @@ impl Pull<'_> {
         };
         let component = match component {
             Ok(component) => component,
-            Err(message) => return Ok(cx.into_error(message)),
+            Err(message) => return Ok(Outcome::Made(cx.into_error(message))),
         };
         let known = &cache.rules[rule as usize].rule;
         let outcome = catch_unwind(AssertUnwindSafe(|| known.init(component, &mut cx)));
         if let Some(why) = cx.interrupted() {
             return Err(why);
         }
+        if let Some(need) = cx.need() {
+            let (reads, ingredients, slots) = cx.into_unfinished();
+            return Ok(Outcome::Needs(need, Unfinished { reads, ingredients, slots }));
+        }
+        if let Some(why) = cx.refused() {
+            return Ok(Outcome::Made(cx.into_error(why)));
+        }
         match outcome {
-            Ok(Ok(data)) => Ok(cx.into_draft(data)),
+            Ok(Ok(data)) => Ok(Outcome::Made(cx.into_draft(data))),
             Ok(Err(RuleError::Interrupted(why))) => Err(why),
-            Ok(Err(RuleError::Failed(message))) => Ok(cx.into_error(message)),
+            Ok(Err(RuleError::Failed(message))) => Ok(Outcome::Made(cx.into_error(message))),
             Err(panic) => {
-                let rule = identity.name;
-                Ok(cx.into_error(format!("rule {rule} panicked: {}", words_of(&*panic))))
+                let why = format!("rule {} panicked: {}", identity.name, words_of(&*panic));
+                Ok(Outcome::Made(cx.into_error(why)))
             }
         }
     }
 
-    /// Runs the rule again for a plan that was found, and compares.
+    /// Runs the rules again for a plan that was found and for all that it was made of, and
+    /// compares.
     ///
     /// # Panics
-    /// When the rule makes something else of the same reads: it is no pure function, or a read
+    /// When a rule makes something else of the same reads: it is no pure function, or a read
     /// went unrecorded.
     pub(super) fn check(&mut self, plan: u32, env: EnvId) -> Result<(), Interrupted> {
+        let was_on = std::mem::replace(&mut self.cache.log.is_on, false);
+        self.cache.is_checking = false;
+        let mut checked: FixedSet<u32> = FixedSet::with_hasher(fixed_state());
+        let mut stack = vec![plan];
+        let mut outcome = Ok(());
+        while let (Some(plan), Ok(())) = (stack.pop(), &outcome) {
+            if checked.insert(plan) {
+                stack.extend(self.cache.ingredients_of(plan));
+                outcome = self.check_one(plan, env);
+            }
+        }
+        self.cache.log.is_on = was_on;
+        self.cache.is_checking = true;
+        outcome
+    }
+
+    fn check_one(&mut self, plan: u32, env: EnvId) -> Result<(), Interrupted> {
         let (target, rule, revision, memories) = {
             let plan = &self.cache.plans[plan];
             (plan.target, plan.rule, plan.revision, Memories::of(&plan.reads))
         };
-        let was_on = std::mem::replace(&mut self.cache.log.is_on, false);
-        let limits = self.limits().without_budget();
-        let again = self.init(target, rule, env, memories, &limits);
-        let again = again.map(|draft| self.publish_unlimited(target, rule, revision, draft));
-        self.cache.log.is_on = was_on;
-        let again = again?;
+        let again = self.draft(target, rule, env, &memories, Allowance::Anything, &mut Vec::new());
+        let again = self.publish_unlimited(target, rule, revision, again?);
         let is_same = {
             let (old, new) = (&self.cache.plans[plan], &self.cache.plans[again]);
-            old.reads == new.reads && self.cache.digest_of(old) == self.cache.digest_of(new)
+            // What has too many ingredients above each other reads what led to the limit, which
+            // depends on which of them are there already.
+            let is_too_high = |plan: &Plan| {
+                plan.ingredients.as_ref().is_some_and(|made_of| made_of.is_too_high())
+            };
+            (old.reads == new.reads || is_too_high(old) && is_too_high(new))
+                && self.cache.digest_of(old) == self.cache.digest_of(new)
         };
         self.cache.remove_plan(again);
         let identity = self.cache.rules[rule as usize].identity;
@@ -104,4 +139,20 @@ impl Pull<'_> {
         );
         Ok(())
     }
+}
+
+/// What comes of running `init`.
+#[expect(clippy::large_enum_variant, reason = "the large one is what comes nearly always")]
+pub(super) enum Outcome {
+    Made(Draft),
+    /// Nothing yet: an ingredient has to be compiled first.
+    Needs(Need, Unfinished),
+}
+
+/// What was read and found when `init` ended early.
+#[derive(Default)]
+pub(super) struct Unfinished {
+    pub(super) reads: Vec<Read>,
+    pub(super) ingredients: Ingredients,
+    pub(super) slots: Arc<[SlotKey]>,
 }

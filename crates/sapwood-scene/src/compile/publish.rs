@@ -43,7 +43,7 @@ impl Pull<'_> {
             PlanLink { target, key: link.key, scope: link.scope }
         });
         let links = links.collect();
-        let mut reads = tables.reads;
+        let (mut reads, ingredients) = (tables.reads, tables.ingredients);
         // One order for one set, in whatever order the rule happened to ask.
         let digest = |read: &Read| Digest::of(&read.key);
         reads.sort_by(|a, b| {
@@ -71,11 +71,12 @@ impl Pull<'_> {
             slots,
             data,
             error,
+            ingredients: (ingredients.height > 0).then(|| Box::new(ingredients)),
         })
     }
 
     /// The emitted component with this content: the one that is there, or this one.
-    fn identify(&mut self, digest: Digest, component: Box<dyn AnyComponent>) -> Target {
+    pub(super) fn identify(&mut self, digest: Digest, component: Box<dyn AnyComponent>) -> Target {
         let kind = component.kind();
         if let Some(known) = self.cache.emitted_index.get(&(kind, digest)) {
             return Target::Emitted(*known);

@@ -105,6 +105,10 @@ impl LinkPushes for Pushes<'_> {
     }
 
     fn root_value(&self, slot: SlotKey) -> Option<SlotValue> {
+        if let Some(kind) = slot.served() {
+            let rule = self.view.rules.rule(kind)?;
+            return Some(SlotValue::standing_for(rule.identity().digest()));
+        }
         self.view.held.get(&slot.type_id()).map(|held| held.value.clone())
     }
 }

@@ -12,7 +12,10 @@ use sapwood_graph::{
 };
 use smallvec::SmallVec;
 
-use super::{Limits, Memories, Read, ReadKey, RuleError, forced_digest};
+use super::{
+    CompiledPlan, CompiledPlans, Found, Ingredient, Ingredients, Limits, MOST_ABOVE_EACH_OTHER,
+    MOST_INGREDIENTS, Memories, Need, Read, ReadKey, RuleError, forced_digest, too_high, too_many,
+};
 use crate::semantic::{AnyComponent, Graph};
 use crate::slots::{Memory, PANICKED, Placement, ProjectionKey, SlotKey, SlotReader, SlotValue};
 use crate::{Component, Held, NodeId, Projection, PushMode, Slot};
@@ -28,7 +31,8 @@ pub struct Context<'a> {
     slots: SlotReader<'a>,
     graph: &'a Graph,
     node: Option<NodeId>,
-    memories: Memories,
+    memories: &'a Memories,
+    stock: Stock<'a>,
     limits: &'a Limits,
     component: Kind,
     triangles: u64,
@@ -38,9 +42,21 @@ pub struct Context<'a> {
     interrupted: Option<Interrupted>,
     /// Why the first mesh that nobody could draw or pick is none.
     unsound: Option<String>,
+    /// The first ingredient that has to be compiled before the rule can go on.
+    need: Option<Need>,
+    /// Why no more ingredients are had, whatever the rule makes of it.
+    refused: Option<String>,
     scope: u32,
     fragment: FragmentBuilder,
     draft: DraftTables,
+}
+
+/// Where ingredients are looked for.
+#[derive(Clone, Copy)]
+pub(crate) struct Stock<'a> {
+    pub(crate) plans: &'a dyn CompiledPlans,
+    /// Those that the component was found to be made of so far.
+    pub(crate) known: &'a [Ingredient],
 }
 
 /// What `init` made beside the fragment.
@@ -50,6 +66,7 @@ pub(crate) struct DraftTables {
     pub(crate) links: SmallVec<[DraftLink; 1]>,
     pub(crate) scopes: SmallVec<[Scope; 1]>,
     pub(crate) parts: Parts,
+    pub(crate) ingredients: Ingredients,
 }
 
 /// A child to be.
@@ -90,12 +107,26 @@ pub(crate) struct Draft {
     pub(crate) error: Option<Box<Diagnostic>>,
 }
 
+impl Draft {
+    /// The draft of a plan that draws and holds nothing and tells why.
+    pub(crate) fn error(
+        kind: Kind,
+        message: String,
+        tables: DraftTables,
+        slots: Arc<[SlotKey]>,
+    ) -> Self {
+        let error = Some(Box::new(Diagnostic { kind, message }));
+        Self { fragment: Fragment::empty(), tables, data: None, slots, error }
+    }
+}
+
 impl<'a> Context<'a> {
     pub(crate) fn new(
         slots: SlotReader<'a>,
         graph: &'a Graph,
         node: Option<NodeId>,
-        memories: Memories,
+        memories: &'a Memories,
+        stock: Stock<'a>,
         limits: &'a Limits,
         component: Kind,
     ) -> Self {
@@ -104,6 +135,7 @@ impl<'a> Context<'a> {
             graph,
             node,
             memories,
+            stock,
             limits,
             component,
             triangles: 0,
@@ -111,6 +143,8 @@ impl<'a> Context<'a> {
             n_emitted: 0,
             interrupted: None,
             unsound: None,
+            need: None,
+            refused: None,
             scope: NO_SCOPE,
             fragment: FragmentBuilder::new(),
             draft: DraftTables::default(),
@@ -119,15 +153,29 @@ impl<'a> Context<'a> {
 
     /// The draft of a plan that draws and holds nothing and tells why.
     pub(crate) fn into_error(self, message: String) -> Draft {
-        let error = Some(Box::new(Diagnostic { kind: self.component, message }));
-        let tables = DraftTables { reads: self.draft.reads, ..DraftTables::default() };
-        let slots = self.slots.into_slots();
-        Draft { fragment: Fragment::empty(), tables, data: None, slots, error }
+        let DraftTables { reads, ingredients, .. } = self.draft;
+        let tables = DraftTables { reads, ingredients, ..DraftTables::default() };
+        Draft::error(self.component, message, tables, self.slots.into_slots())
     }
 
     /// The interruption that the rule met, whatever it made of it: its outcome is worth nothing.
     pub(crate) fn interrupted(&mut self) -> Option<Interrupted> {
         self.interrupted.take()
+    }
+
+    /// The ingredient that has to be compiled first: the outcome is worth nothing until then.
+    pub(crate) fn need(&mut self) -> Option<Need> {
+        self.need.take()
+    }
+
+    /// Why no more ingredients are had: the outcome is an error, whatever the rule made of it.
+    pub(crate) fn refused(&mut self) -> Option<String> {
+        self.refused.take()
+    }
+
+    /// What was read and found so far, of an outcome that is worth nothing.
+    pub(crate) fn into_unfinished(self) -> (Vec<Read>, Ingredients, Arc<[SlotKey]>) {
+        (self.draft.reads, self.draft.ingredients, self.slots.into_slots())
     }
 
     /// The draft of what the rule made; an error where one of its meshes is not sound.
@@ -172,11 +220,7 @@ impl<'a> Context<'a> {
             None => catch_unwind(AssertUnwindSafe(|| projection.compute(&mut reader))),
         };
         let slots: Arc<[SlotKey]> = reader.slots.as_slice().into();
-        for slot in slots.iter() {
-            if let Err(place) = self.slots.slots.binary_search(slot) {
-                self.slots.slots.insert(place, *slot);
-            }
-        }
+        self.slots.note(&slots);
         let digest = output.as_ref().map_or(PANICKED, Digest::of);
         let memory = output.as_ref().ok().filter(|_| P::REMEMBERS);
         let memory = memory.map(|output| Arc::new(output.clone()) as Memory);
@@ -211,6 +255,89 @@ impl<'a> Context<'a> {
         let top = self.node.and_then(|node| self.graph.values.asked_by(node));
         let Some(top) = top else { return Ok(None) };
         self.graph.answer(top, slot).map_err(RuleError::Failed)
+    }
+
+    /// What another component compiles to here: the [data](crate::Rule::Data), of type `D`, that
+    /// the rule serving its kind in this view makes of it where this rule's own component stands.
+    /// That may be an image, a profile, a table; render nodes and children of its own are left
+    /// aside, and so is what this rule pushes.
+    ///
+    /// Like any plan it is compiled once however many ask for it, found by what its rule read and
+    /// kept. What was read for it counts as read here, which rule serves the kind included. To
+    /// compile what is not there yet, `init` is begun again from its start: ask before other work
+    /// is done, and pass errors on.
+    ///
+    /// # Errors
+    /// When no rule serves the kind, when its rule failed or makes data of another type. Ingredients
+    /// may have ingredients, up to 16 above each other, and a component up to 256 of its own;
+    /// beyond, it fails whatever its rule makes of the error.
+    pub fn ingredient<D: Any>(&mut self, component: impl Component) -> Result<&'a D, RuleError> {
+        let plan = self.ingredient_plan(component)?;
+        let failed = |why: String| RuleError::Failed(format!("ingredient {}: {why}", plan.kind()));
+        let data = plan.data.map_err(|error| failed(error.message.clone()))?;
+        data.downcast_ref().ok_or_else(|| {
+            let (name, made) = (plan.rule.identity().name, plan.rule.data_type());
+            let asked = std::any::type_name::<D>();
+            failed(format!("rule {name} makes data of type {made}, not {asked}"))
+        })
+    }
+
+    fn ingredient_plan<C: Component>(
+        &mut self,
+        component: C,
+    ) -> Result<CompiledPlan<'a>, RuleError> {
+        let kind = Kind::of::<C>();
+        if self.need.is_some() || self.refused.is_some() {
+            return Err(RuleError::Failed(format!("ingredient {kind}: not had")));
+        }
+        let served = SlotKey::serving::<C>();
+        let value = self.slots.value(served);
+        self.record(Read { key: ReadKey::Slot(served), value: value.digest, memory: None });
+        let content = Digest::of(&component);
+        let is_it = |known: &&Ingredient| known.kind == kind && known.content == content;
+        let is_new = !self.draft.ingredients.list.iter().any(|known| is_it(&known));
+        if is_new && self.draft.ingredients.list.len() == MOST_INGREDIENTS {
+            return Err(self.refuse(too_many()));
+        }
+        let Stock { plans, known } = self.stock;
+        let found = match known.iter().find(is_it) {
+            Some(known) => Found::Plan(plans.plan(known.plan)),
+            None => plans.find(kind, content, &mut self.slots.fork(), self.memories),
+        };
+        let plan = match found {
+            Found::NoRule => {
+                let why = format!("ingredient {kind}: the view has no rule for its kind");
+                return Err(RuleError::Failed(why));
+            }
+            Found::Missing => {
+                self.need = Some(Need { kind, content, component: Box::new(component) });
+                return Err(RuleError::Failed(format!("ingredient {kind}: not compiled yet")));
+            }
+            Found::Plan(plan) => plan,
+        };
+        self.slots.note(plan.slots);
+        #[cfg(feature = "planted-faults")]
+        let reads = if self.limits.drops_ingredients { &[] } else { plan.reads };
+        #[cfg(not(feature = "planted-faults"))]
+        let reads = plan.reads;
+        for read in reads {
+            self.record(read.clone());
+        }
+        let ingredients = &mut self.draft.ingredients;
+        if is_new {
+            ingredients.list.push(Ingredient { kind, content, plan: plan.number });
+        }
+        ingredients.height = ingredients.height.max(1 + plan.height);
+        if ingredients.height > MOST_ABOVE_EACH_OTHER {
+            ingredients.height = MOST_ABOVE_EACH_OTHER + 1;
+            return Err(self.refuse(too_high(kind)));
+        }
+        Ok(plan)
+    }
+
+    fn refuse(&mut self, why: String) -> RuleError {
+        self.refused = Some(why.clone());
+        RuleError::Failed(why)
     }
 
     /// How many children the component has in the semantic graph; none if it was emitted.

@@ -71,6 +71,8 @@ pub(crate) struct Limits {
     pub(crate) n_plans: u64,
     #[cfg(feature = "planted-faults")]
     pub(crate) drops_reads: bool,
+    #[cfg(feature = "planted-faults")]
+    pub(crate) drops_ingredients: bool,
 }
 
 impl Limits {

@@ -103,6 +103,7 @@ impl ReadKey {
 impl Content for ReadKey {
     fn write(&self, digester: &mut Digester) {
         match self {
+            Self::Slot(slot) if slot.served().is_some() => digester.add(&3u8).add(slot.name()),
             Self::Slot(slot) => digester.add(&0u8).add(slot.name()),
             Self::Projection(key) => digester.add(&1u8).add(&**key),
             Self::Forced(slot) => digester.add(&2u8).add(slot.name()),

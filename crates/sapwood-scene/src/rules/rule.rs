@@ -5,7 +5,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use sapwood_geom::glam::Affine3;
-use sapwood_geom::{Content, Digest, Digester, FixedMap};
+use sapwood_geom::{Content, Digest, Digester, FixedMap, fixed_state};
 use sapwood_graph::{Interfaces, Interrupted, Kind, Offers};
 
 use super::Context;
@@ -120,6 +120,16 @@ pub(crate) struct RuleIdentity {
     pub(crate) settings: Digest,
 }
 
+impl RuleIdentity {
+    /// What is read where it matters that this rule serves its kind.
+    pub(crate) fn digest(&self) -> Digest {
+        let mut digester = Digester::new();
+        digester.add(self.name).add(&self.version).add(&self.settings);
+        digester.add(&fixed_state().hash_one(self.rule));
+        digester.finish()
+    }
+}
+
 /// A rule, its type forgotten.
 pub(crate) trait AnyRule: Send + Sync {
     fn identity(&self) -> RuleIdentity;
@@ -131,6 +141,8 @@ pub(crate) trait AnyRule: Send + Sync {
     ) -> Result<Box<dyn Any + Send + Sync>, RuleError>;
     fn visit(&self, data: &(dyn Any + Send + Sync), cx: &VisitContext<'_>, live: &mut [Affine3]);
     fn write_data(&self, data: &(dyn Any + Send + Sync), digester: &mut Digester);
+    /// The name of the type of the data.
+    fn data_type(&self) -> &'static str;
     fn interfaces(&self) -> Interfaces;
 }
 
@@ -170,6 +182,10 @@ impl<R: Rule> AnyRule for R {
         if let Some(data) = data.downcast_ref::<R::Data>() {
             data.write(digester);
         }
+    }
+
+    fn data_type(&self) -> &'static str {
+        std::any::type_name::<R::Data>()
     }
 
     fn interfaces(&self) -> Interfaces {

@@ -128,9 +128,15 @@ impl Met {
             let row = &pull.cache().sites[site.0];
             met.sites.push(site);
             met.site_numbers.insert(site, met.sites.len());
-            if !met.plan_numbers.contains_key(&row.plan) {
-                met.plans.push(row.plan);
-                met.plan_numbers.insert(row.plan, met.plans.len());
+            let mut plans = vec![row.plan];
+            while let Some(plan) = plans.pop() {
+                if !met.plan_numbers.contains_key(&plan) {
+                    met.plans.push(plan);
+                    met.plan_numbers.insert(plan, met.plans.len());
+                    let first = plans.len();
+                    plans.extend(pull.cache().ingredients_of(plan));
+                    plans[first..].reverse();
+                }
             }
             stack.extend(row.links.iter().rev().filter_map(|link| match link {
                 Link::Site(child, _) => Some(*child),
@@ -143,7 +149,10 @@ impl Met {
 
 fn plans(pull: &Pull<'_>, met: &Met, text: &mut List) {
     for (i, number) in met.plans.iter().enumerate() {
-        text.line(0, &plan_line(pull.cache(), i + 1, *number));
+        let mut line = plan_line(pull.cache(), i + 1, *number);
+        let made_of = pull.cache().ingredients_of(*number);
+        tell_all(&mut line, "made of", made_of.map(|plan| format!("p{}", met.plan_numbers[&plan])));
+        text.line(0, &line);
     }
 }
 
@@ -185,8 +194,12 @@ fn plan_line(cache: &Cache, number: usize, plan: u32) -> String {
     });
     tell_all(&mut line, "pushes", pushes);
     let reads = plan.reads.iter().map(|read| {
-        let how = if let ReadKey::Forced(_) = read.key { " (if forced)" } else { "" };
-        format!("{}{how} {}", read.key.name(), short(read.value))
+        let name = read.key.name();
+        match &read.key {
+            ReadKey::Forced(_) => format!("{name} (if forced) {}", short(read.value)),
+            ReadKey::Slot(slot) if slot.served().is_some() => served(cache, *slot, read.value),
+            ReadKey::Slot(_) | ReadKey::Projection(_) => format!("{name} {}", short(read.value)),
+        }
     });
     tell_all(&mut line, "reads", reads);
     line
@@ -195,7 +208,7 @@ fn plan_line(cache: &Cache, number: usize, plan: u32) -> String {
 fn sites(pull: &Pull<'_>, met: &Met, text: &mut List) {
     for (i, site) in met.sites.iter().enumerate() {
         let row = &pull.cache().sites[site.0];
-        text.line(0, &site_line(met, i + 1, row));
+        text.line(0, &site_line(pull.cache(), met, i + 1, row));
         for link in &row.links {
             if let Link::Failed(failed) = link {
                 text.line(1, &format!("link failed: {}", failed.0));
@@ -204,7 +217,7 @@ fn sites(pull: &Pull<'_>, met: &Met, text: &mut List) {
     }
 }
 
-fn site_line(met: &Met, number: usize, row: &Site) -> String {
+fn site_line(cache: &Cache, met: &Met, number: usize, row: &Site) -> String {
     let mut line = format!("s{number} of p{}", met.plan_numbers[&row.plan]);
     if !row.is_closed {
         line.push_str(", open");
@@ -215,7 +228,10 @@ fn site_line(met: &Met, number: usize, row: &Site) -> String {
     if row.remembers {
         line.push_str(", remembers");
     }
-    let value = |(slot, digest): &(SlotKey, Digest)| format!("{} {}", slot.name(), short(*digest));
+    let value = |(slot, digest): &(SlotKey, Digest)| match slot.served() {
+        Some(_) => served(cache, *slot, *digest),
+        None => format!("{} {}", slot.name(), short(*digest)),
+    };
     let mut key: Vec<String> = row.key.iter().map(value).collect();
     key.sort_unstable();
     tell_all(&mut line, "found by", key.into_iter());
@@ -229,6 +245,13 @@ fn site_line(met: &Met, number: usize, row: &Site) -> String {
         .collect();
     tell_all(&mut line, "links to", runs(&below).into_iter());
     line
+}
+
+/// Which rule was found to serve a kind.
+fn served(cache: &Cache, slot: SlotKey, value: Digest) -> String {
+    let rule = cache.rules.iter().find(|known| known.identity.digest() == value);
+    let rule = rule.map_or("nothing", |known| known.identity.name);
+    format!("{} by {rule}", slot.name())
 }
 
 /// Adds `word` and a list, if there is anything in it.

@@ -75,7 +75,20 @@ impl Scene {
         view.authored_rules.clear();
         view.emitted_rules.clear();
         view.rules_since = revision;
+        let root_site = view.root_site;
+        self.distrust_root(root_site);
         Ok(())
+    }
+
+    /// Has the root's link checked again: its key says nothing of new values or new rules.
+    fn distrust_root(&mut self, root_site: SiteId) {
+        let root = &mut self.cache.sites[root_site.0];
+        root.key.clear();
+        for link in &mut root.links {
+            if let Link::Site(_, checked) = link {
+                *checked = NOT_CHECKED;
+            }
+        }
     }
 
     /// Sets a held slot above the root of a view.
@@ -131,14 +144,7 @@ impl Scene {
         }
         view.values_since = revision;
         let root_site = view.root_site;
-        // Its key says nothing of the new values, so its link is checked again.
-        let root = &mut self.cache.sites[root_site.0];
-        root.key.clear();
-        for link in &mut root.links {
-            if let Link::Site(_, checked) = link {
-                *checked = NOT_CHECKED;
-            }
-        }
+        self.distrust_root(root_site);
         Ok(())
     }
 

@@ -164,6 +164,10 @@ impl Environments {
 
     /// The environment that stands for `env` where `slot` is asked for.
     fn pushed(&self, env: EnvId, slot: SlotKey) -> EnvId {
+        if slot.served().is_some() {
+            // One for the whole view.
+            return EnvId(ROOT);
+        }
         if slot.descends() { env } else { self.above[env.0 as usize].pushed }
     }
 

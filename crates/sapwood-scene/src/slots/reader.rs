@@ -52,6 +52,15 @@ impl<'a> SlotReader<'a> {
         self.environments.value(self.pushes, self.env, slot)
     }
 
+    /// Notes slots as read.
+    pub(crate) fn note(&mut self, slots: &[SlotKey]) {
+        for slot in slots {
+            if let Err(place) = self.slots.binary_search(slot) {
+                self.slots.insert(place, *slot);
+            }
+        }
+    }
+
     /// The value of a slot if it is forced here.
     pub(crate) fn forced_value(&mut self, slot: SlotKey) -> Option<SlotValue> {
         let forced = forced_against(slot);

@@ -6,6 +6,9 @@ use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 
 use sapwood_geom::{Content, Digest};
+use sapwood_graph::Kind;
+
+use crate::Component;
 
 /// How often a slot's value changes: [`Held`] or [`Moving`].
 pub trait Rate: sealed::Sealed + 'static {}
@@ -83,6 +86,11 @@ impl SlotValue {
         Self { digest: Digest::of(&value), value: Arc::new(value) }
     }
 
+    /// A digest that stands for the value, which nobody asks for.
+    pub(crate) fn standing_for(digest: Digest) -> Self {
+        Self { digest, value: Arc::new(()) }
+    }
+
     /// The value behind it, which a key of slot `S` must have led to.
     pub(crate) fn typed<S: Slot>(&self) -> Arc<S::Value> {
         let value = Arc::clone(&self.value);
@@ -107,6 +115,8 @@ struct SlotTable {
     merge: Option<fn(&SlotValue, &SlotValue) -> SlotValue>,
     combine: Option<fn(&SlotValue, &SlotValue) -> SlotValue>,
     descend: Option<fn(&SlotValue, u64) -> SlotValue>,
+    /// The kind whose rule is meant, where the slot stands for one.
+    served: Option<fn() -> Kind>,
 }
 
 struct TableOf<S>(S);
@@ -136,12 +146,40 @@ impl<S: Slot> TableOf<S> {
         } else {
             None
         },
+        served: None,
+    };
+}
+
+struct ServingTableOf<C>(C);
+
+impl<C: Component> ServingTableOf<C> {
+    const TABLE: SlotTable = SlotTable {
+        id: TypeId::of::<Self>(),
+        name: C::NAME,
+        // Not that of a slot that is called as the kind is.
+        rank: !rank(C::NAME),
+        default: || SlotValue::standing_for(Digest::from_bits(0)),
+        merge: None,
+        combine: None,
+        descend: None,
+        served: Some(Kind::of::<C>),
     };
 }
 
 impl SlotKey {
     pub(crate) fn of<S: Slot>() -> Self {
         Self(&TableOf::<S>::TABLE)
+    }
+
+    /// What stands for the rule that serves components of type `C` in the view: it is read like
+    /// a slot by whoever is made of what that rule makes. Nobody pushes it.
+    pub(crate) fn serving<C: Component>() -> Self {
+        Self(&ServingTableOf::<C>::TABLE)
+    }
+
+    /// The kind whose rule is meant, where the slot stands for one.
+    pub(crate) fn served(self) -> Option<Kind> {
+        self.0.served.map(|kind| kind())
     }
 
     pub(crate) fn name(self) -> &'static str {
