@@ -8,6 +8,7 @@
 
 pub use sapwood_geom as geom;
 pub use sapwood_graph as graph;
+pub use sapwood_images as images;
 pub use sapwood_io as io;
 pub use sapwood_picture as picture;
 pub use sapwood_rules as rules;
@@ -15,12 +16,12 @@ pub use sapwood_scene as scene;
 
 /// The rule set that compiles everything Sapwood knows to full geometry.
 pub fn standard_rules() -> scene::RuleSet {
-    rules::weber_penn::full().over(&scene::built_in_rules())
+    rules::weber_penn::full().over(&images::rules()).over(&scene::built_in_rules())
 }
 
 /// The rule set that draws trees as lines with radii and everything else as it is.
 pub fn skeleton_rules() -> scene::RuleSet {
-    rules::weber_penn::skeleton().over(&scene::built_in_rules())
+    rules::weber_penn::skeleton().over(&images::rules()).over(&scene::built_in_rules())
 }
 
 /// The README's example, compiled and run with the documentation tests.
