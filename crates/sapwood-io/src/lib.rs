@@ -15,7 +15,9 @@ mod species;
 mod spelling;
 mod svg;
 
-pub use self::gltf::{glb_bytes, gltf_buffer_path, write_glb, write_gltf};
+pub use self::gltf::{
+    Model, ModelNode, ReadLimits, glb_bytes, gltf_buffer_path, read_gltf, write_glb, write_gltf,
+};
 pub use atomic::{FileSet, write_atomically};
 pub use error::{Error, ErrorKind, Place};
 pub use obj::{obj_image_path, obj_material_path, write_obj};

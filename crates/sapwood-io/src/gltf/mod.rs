@@ -1,4 +1,5 @@
 //! glTF 2.0: a draw list as one self-contained `.glb` file, or as a `.gltf` text with its `.bin`.
+//! Reading such files is `read`'s own matter.
 //!
 //! Every body becomes one glTF mesh with one primitive for each material, and every occurrence
 //! one node, so what several occurrences share is written once; an image is written once however
@@ -11,6 +12,7 @@ mod fixtures;
 mod materials;
 mod pair;
 mod placement;
+mod read;
 
 use std::io;
 use std::path::Path;
@@ -22,6 +24,7 @@ use crate::{Error, ErrorKind, FileSet};
 use document::Document;
 
 pub use pair::gltf_buffer_path;
+pub use read::{Model, ModelNode, ReadLimits, read_gltf};
 
 /// The bytes of a `.glb` file with everything in `list` that has triangles, lights, is looked
 /// from or is written.
