@@ -3,13 +3,14 @@
 //! Building them is the work of the crate `obvhs`; going along a ray is done here, so that no
 //! depth of tree overflows a stack, and so that what is met does not depend on the tree's shape.
 
+mod wide;
+
 use glam::Vec3A;
-use obvhs::bvh2::{leaf_collapser, node::Bvh2Node, reinsertion::ReinsertionOptimizer};
+use obvhs::bvh2::{leaf_collapser, reinsertion::ReinsertionOptimizer};
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 
-use smallvec::SmallVec;
-
 use crate::{Aabb, Ray, Ray32};
+use wide::{MOST_ITEMS, WideNode, along, widened};
 
 /// Up to so many things are looked at one by one.
 const FEW: usize = 8;
@@ -19,7 +20,7 @@ pub struct BoxTree {
     /// The box around all; empty where there is no thing with a box.
     all: Aabb,
     /// Empty where there are few things.
-    nodes: Vec<Bvh2Node>,
+    nodes: Vec<WideNode>,
     /// The numbers of things, in the order of the tree's leaves.
     items: Vec<u32>,
 }
@@ -27,6 +28,20 @@ pub struct BoxTree {
 impl BoxTree {
     /// A tree over `boxes`; those that are empty or not finite are left out.
     pub fn new(boxes: impl IntoIterator<Item = Aabb>) -> Self {
+        Self::with_leaves_of(FEW, boxes)
+    }
+
+    /// As [`new`](Self::new), for things that are dear to look at: each has a box of its own in
+    /// the tree.
+    pub fn of_dear_things(boxes: impl IntoIterator<Item = Aabb>) -> Self {
+        Self::with_leaves_of(1, boxes)
+    }
+
+    /// A tree whose leaves hold up to so many things where that pays.
+    ///
+    /// # Panics
+    /// When there are more than 2^28 things.
+    fn with_leaves_of(most: usize, boxes: impl IntoIterator<Item = Aabb>) -> Self {
         let mut items = Vec::new();
         let mut grown = Vec::new();
         let mut all = Aabb::EMPTY;
@@ -37,7 +52,7 @@ impl BoxTree {
                 all = all.union(aabb);
             }
         }
-        if items.len() <= FEW {
+        if items.len() <= most {
             return Self { all, nodes: Vec::new(), items };
         }
         // Whoever goes along a ray rounds to `f32`, somewhere inside the whole. Not all by the
@@ -54,6 +69,7 @@ impl BoxTree {
                 obvhs::aabb::Aabb::new(min - slack, max + slack)
             })
             .collect();
+        assert!(items.len() <= MOST_ITEMS, "a tree holds up to {MOST_ITEMS} things");
         let numbers = (0..items.len() as u32).collect();
         let mut tree = PlocBuilder::with_capacity(items.len()).build(
             PlocSearchDistance::Low,
@@ -63,9 +79,9 @@ impl BoxTree {
             2,
         );
         ReinsertionOptimizer::default().run(&mut tree, 0.02, None);
-        leaf_collapser::collapse(&mut tree, 4, 3.0);
+        leaf_collapser::collapse(&mut tree, most.div_ceil(2) as u32, 3.0);
         let items = tree.primitive_indices.iter().map(|number| items[*number as usize]).collect();
-        Self { all, nodes: tree.nodes, items }
+        Self { all, nodes: widened(&tree.nodes), items }
     }
 
     /// Calls `each` for the number of every thing whose box the ray meets nearer than `reach`, and
@@ -81,35 +97,18 @@ impl BoxTree {
         }
         // From where it enters the whole, and with unit length, the ray fits in `f32`.
         let length = ray.direction().length();
-        let near = Vec3A::from(ray.at(enters).as_vec3());
-        let direction = Vec3A::from((ray.direction() / length).as_vec3());
+        let near = ray.at(enters).as_vec3();
+        let direction = (ray.direction() / length).as_vec3();
         if !(near.is_finite() && direction.is_finite()) {
             return;
         }
-        let short = obvhs::ray::Ray::new(near, direction, 0.0, f32::INFINITY);
         // The slack that the boxes were grown by also covers what `reach` is rounded by.
         let until = |reach: f64| ((reach - enters) * length * (1.0 + 1e-6)) as f32;
-        let mut limit = until(reach);
-        let meet = |node: u32| self.nodes[node as usize].aabb().intersect_ray(&short);
-        let mut stack = vec![(0, meet(0))];
-        while let Some((number, distance)) = stack.pop() {
-            // The first where a box is missed, which a ray without end must not reach either.
-            if distance == f32::INFINITY || distance > limit {
-                continue;
-            }
-            let node = &self.nodes[number as usize];
-            let first = node.first_index;
-            if node.is_leaf() {
-                for item in &self.items[first as usize..(first + node.prim_count) as usize] {
-                    reach = each(*item);
-                }
-                limit = until(reach);
-                continue;
-            }
-            let (left, right) = ((first, meet(first)), (first + 1, meet(first + 1)));
-            // The stack gives back the last first.
-            stack.extend(if left.1 <= right.1 { [right, left] } else { [left, right] });
-        }
+        let short = Ray32::new(near, direction);
+        along(&self.nodes, &short, until(reach), |place| {
+            reach = each(self.items[place as usize]);
+            until(reach)
+        });
     }
 }
 
@@ -119,46 +118,13 @@ impl BoxTree {
     /// of a few more, roughly from near to far, until `each` tells that the ray does not reach
     /// any farther than it went already. `each` tells how far the ray reaches from then on.
     #[inline]
-    pub fn along32(&self, ray: &Ray32, mut reach: f32, mut each: impl FnMut(u32) -> f32) {
-        let Some(enters) = ray.enters(&self.all) else { return };
-        if enters > reach {
-            return;
-        }
+    pub fn along32(&self, ray: &Ray32, reach: f32, mut each: impl FnMut(u32) -> f32) {
         if self.nodes.is_empty() {
             for item in &self.items {
                 each(*item);
             }
-            return;
-        }
-        let meet = |node: u32| {
-            let node = &self.nodes[node as usize];
-            ray.enters_between(node.min, node.max).unwrap_or(f32::INFINITY)
-        };
-        // Deep enough for any tree that is not made to be deep; else it goes on elsewhere.
-        let mut stack: SmallVec<[(u32, f32); 48]> = SmallVec::new();
-        let mut next = (0, enters);
-        loop {
-            if next.1 <= reach {
-                let node = &self.nodes[next.0 as usize];
-                let first = node.first_index;
-                if node.is_leaf() {
-                    for item in &self.items[first as usize..(first + node.prim_count) as usize] {
-                        reach = each(*item);
-                    }
-                } else {
-                    let (left, right) = ((first, meet(first)), (first + 1, meet(first + 1)));
-                    let (near, far) = if left.1 <= right.1 { (left, right) } else { (right, left) };
-                    if far.1 <= reach && far.1 < f32::INFINITY {
-                        stack.push(far);
-                    }
-                    if near.1 < f32::INFINITY {
-                        next = near;
-                        continue;
-                    }
-                }
-            }
-            let Some(popped) = stack.pop() else { return };
-            next = popped;
+        } else {
+            along(&self.nodes, ray, reach, |place| each(self.items[place as usize]));
         }
     }
 }

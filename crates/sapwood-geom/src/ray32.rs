@@ -29,6 +29,11 @@ impl Ray32 {
         Self { origin, direction, inverse: Vec3::new(x, y, z) }
     }
 
+    /// One over each coordinate of the direction; a large number where that is zero.
+    pub(crate) fn inverse(&self) -> Vec3 {
+        self.inverse
+    }
+
     /// The point at a distance.
     pub fn at(&self, distance: f32) -> Vec3 {
         self.origin + self.direction * distance
@@ -43,16 +48,20 @@ impl Ray32 {
     /// The distance from which on the ray is inside a box, 0 where it starts there; nothing where
     /// it misses the box.
     pub fn enters(&self, aabb: &Aabb) -> Option<f32> {
-        if aabb.is_empty() { None } else { self.enters_between(aabb.min, aabb.max) }
-    }
-
-    /// As [`enters`](Self::enters), for a box between corners that are in order.
-    #[inline]
-    pub(crate) fn enters_between(&self, min: Vec3, max: Vec3) -> Option<f32> {
-        let near = (min - self.origin) * self.inverse;
-        let far = (max - self.origin) * self.inverse;
-        let enters = near.min(far).max_element().max(0.0);
-        (near.max(far).min_element() >= enters).then_some(enters)
+        if aabb.is_empty() {
+            return None;
+        }
+        let Aabb { min, max } = *aabb;
+        // Plain comparisons, one instruction each.
+        let smaller = |a: f32, b: f32| if a < b { a } else { b };
+        let larger = |a: f32, b: f32| if a > b { a } else { b };
+        let one = (min - self.origin) * self.inverse;
+        let other = (max - self.origin) * self.inverse;
+        let enters = larger(smaller(one.x, other.x), smaller(one.y, other.y));
+        let enters = larger(enters, larger(smaller(one.z, other.z), 0.0));
+        let leaves = smaller(larger(one.x, other.x), larger(one.y, other.y));
+        let leaves = smaller(leaves, larger(one.z, other.z));
+        (leaves >= enters).then_some(enters)
     }
 
     /// The distance from which on the ray is inside a sphere, 0 where it starts there; nothing

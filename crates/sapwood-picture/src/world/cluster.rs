@@ -64,6 +64,6 @@ impl Cluster {
 
     pub(super) fn set_tree(&mut self, boxes: &[Aabb]) {
         self.aabb = boxes.iter().copied().fold(Aabb::EMPTY, Aabb::union);
-        self.tree = BoxTree::new(boxes.iter().copied());
+        self.tree = BoxTree::of_dear_things(boxes.iter().copied());
     }
 }

@@ -1,0 +1,134 @@
+//! Nodes of four boxes, so that a ray meets or misses four in one go.
+
+use obvhs::bvh2::node::Bvh2Node;
+use smallvec::SmallVec;
+use wide::f32x4;
+
+use crate::Ray32;
+
+/// Boxes that a node holds.
+const WIDTH: usize = 4;
+
+/// Set in a child that is a leaf: the place of its first item and, below, how many it has.
+const LEAF: u32 = 1 << 31;
+
+/// Bits that tell how many items a leaf has.
+const COUNT_BITS: u32 = 3;
+
+/// Things that a tree may hold at most.
+pub(super) const MOST_ITEMS: usize = 1 << (31 - COUNT_BITS);
+
+/// Four boxes, and what is in them. Boxes that are missing are empty: no ray enters them.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+pub(super) struct WideNode {
+    /// For each axis the least coordinates, then for each axis the largest.
+    sides: [f32x4; 6],
+    children: [u32; WIDTH],
+}
+
+/// Four boxes where those of the two-box tree below a node are largest, and so on downwards. The
+/// first node is the root's.
+pub(super) fn widened(nodes: &[Bvh2Node]) -> Vec<WideNode> {
+    let mut wide = vec![WideNode::EMPTY];
+    let mut todo = vec![(0, 0)];
+    while let Some((from, to)) = todo.pop() {
+        let mut boxes: SmallVec<[u32; WIDTH]> = SmallVec::new();
+        boxes.push(from);
+        while boxes.len() < WIDTH {
+            let inner = boxes.iter().enumerate().filter(|(_, i)| !nodes[**i as usize].is_leaf());
+            let area = |node: u32| nodes[node as usize].aabb().half_area();
+            let Some((largest, _)) = inner.max_by(|a, b| area(*a.1).total_cmp(&area(*b.1))) else {
+                break;
+            };
+            let first = nodes[boxes[largest] as usize].first_index;
+            boxes[largest] = first;
+            boxes.push(first + 1);
+        }
+        for (lane, from) in boxes.into_iter().enumerate() {
+            let node = &nodes[from as usize];
+            let child = if node.is_leaf() {
+                LEAF | node.first_index << COUNT_BITS | node.prim_count
+            } else {
+                todo.push((from, wide.len()));
+                wide.push(WideNode::EMPTY);
+                wide.len() as u32 - 1
+            };
+            wide[to].set(lane, node, child);
+        }
+    }
+    wide
+}
+
+impl WideNode {
+    const EMPTY: Self = {
+        let least = f32x4::new([f32::INFINITY; WIDTH]);
+        let largest = f32x4::new([f32::NEG_INFINITY; WIDTH]);
+        let sides = [least, least, least, largest, largest, largest];
+        Self { sides, children: [0; WIDTH] }
+    };
+
+    fn set(&mut self, lane: usize, node: &Bvh2Node, child: u32) {
+        for axis in 0..3 {
+            self.sides[axis].as_mut_array()[lane] = node.min[axis];
+            self.sides[3 + axis].as_mut_array()[lane] = node.max[axis];
+        }
+        self.children[lane] = child;
+    }
+}
+
+/// Calls `each` with the place of every item in whose leaf's box the ray is before `reach`, roughly
+/// from near to far. `each` tells how far the ray reaches from then on; below zero ends it.
+#[inline]
+pub(super) fn along(
+    nodes: &[WideNode],
+    ray: &Ray32,
+    mut reach: f32,
+    mut each: impl FnMut(u32) -> f32,
+) {
+    let inverse = ray.inverse().to_array();
+    let origins = ray.origin.to_array().map(f32x4::splat);
+    let inverses = inverse.map(f32x4::splat);
+    // Where the ray goes down an axis, it enters by the larger side.
+    let enters_by = [0, 1, 2].map(|axis| if inverse[axis] < 0.0 { 3 + axis } else { axis });
+    let leaves_by = [0, 1, 2].map(|axis| if inverse[axis] < 0.0 { axis } else { 3 + axis });
+    // Deep enough for any tree that is not made to be deep; else it goes on elsewhere.
+    let mut stack: SmallVec<[(u32, f32); 64]> = SmallVec::new();
+    stack.push((0, 0.0));
+    while let Some((child, distance)) = stack.pop() {
+        if distance > reach {
+            continue;
+        }
+        if child & LEAF != 0 {
+            let (first, count) = ((child & !LEAF) >> COUNT_BITS, child & ((1 << COUNT_BITS) - 1));
+            for place in first..first + count {
+                reach = each(place);
+            }
+            continue;
+        }
+        let node = &nodes[child as usize];
+        let (mut enters, mut leaves) = (f32x4::ZERO, f32x4::splat(reach));
+        for axis in 0..3 {
+            let (near, far) = (node.sides[enters_by[axis]], node.sides[leaves_by[axis]]);
+            enters = enters.fast_max((near - origins[axis]) * inverses[axis]);
+            leaves = leaves.fast_min((far - origins[axis]) * inverses[axis]);
+        }
+        let is_met = enters.simd_le(leaves).to_bitmask();
+        let enters = enters.to_array();
+        let bottom = stack.len();
+        for lane in 0..WIDTH {
+            if is_met >> lane & 1 != 0 {
+                stack.push((node.children[lane], enters[lane]));
+            }
+        }
+        // The nearest last, for the stack gives back the last first.
+        let found = &mut stack[bottom..];
+        for i in 1..found.len() {
+            let mut j = i;
+            while j > 0 && found[j - 1].1 < found[j].1 {
+                found.swap(j - 1, j);
+                j -= 1;
+            }
+        }
+    }
+}
