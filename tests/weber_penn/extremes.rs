@@ -7,6 +7,7 @@ use sapwood::graph::Interrupted;
 use sapwood::rules::weber_penn::{Accepted, Dialect, Species, Value, keys};
 use sapwood::scene::{Budget, Scene, ViewError};
 
+use super::foreseen::{foreseen_of, outside};
 use super::trees::*;
 
 #[test]
@@ -81,6 +82,9 @@ fn check(species: &Species, what: &str) {
     };
     assert_eq!(tree.scene.diagnostics(tree.view, 3).unwrap(), [], "{what}");
     assert_eq!(fault(&tree.draw_list(), &bound.aabb), None, "{what}");
+    if let Some(foreseen) = foreseen_of(species, 1.0) {
+        assert_eq!(outside(&tree.draw_list(), &foreseen), None, "{what}: not in {foreseen:?}");
+    }
 }
 
 /// Sets each key of a species to the ends of what it accepts.

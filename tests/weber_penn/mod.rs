@@ -4,6 +4,7 @@
 mod compiles;
 mod counts;
 mod extremes;
+mod foreseen;
 mod seeds;
 mod snapshots;
 mod species;

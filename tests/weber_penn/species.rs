@@ -7,7 +7,7 @@ use sapwood::scene::Scene;
 use super::trees::*;
 
 /// All species by name; the willow with a tenth of its twigs, for the tests that grow it often.
-fn all() -> Vec<(&'static str, Species)> {
+pub(super) fn all() -> Vec<(&'static str, Species)> {
     let light = |name| match name {
         "weeping_willow" => with(&built_in(name), &[("level.3.branches", 30.0)]),
         _ => built_in(name),

@@ -21,7 +21,9 @@ mod tests;
 
 pub use components::{Branch, Children, Leaves, Seed, StemSurface, Tree, Twigs};
 pub use geometry::{Detail, leaf_mesh, surface};
-pub use growth::{Frame, Leaf, Segment, Stem, StemSeed, Stems, children, grow, leaves, trunks};
+pub use growth::{
+    Frame, Leaf, Segment, Stem, StemSeed, Stems, children, foreseen, grow, leaves, trunks,
+};
 pub use params::{Crown, Envelope, LeafParams, Level, TrunkForm};
 pub use rules::{full, skeleton};
 pub use slots::{

@@ -143,9 +143,13 @@ fn relative_length(parent: &Stem, offset: f32, crown: &Crown) -> f32 {
         let r = height_ratio(parent, offset);
         return length_parent * shape_ratio(crown.shape, r, &crown.envelope, crown.dialect);
     }
-    let lost = match crown.dialect {
+    (length_parent - lost_length(crown.dialect) * offset).max(0.0)
+}
+
+/// The length that stems beyond the first branches lose for each metre of their offset.
+pub(crate) fn lost_length(dialect: Dialect) -> f32 {
+    match dialect {
         Dialect::TreeGen => 0.7,
         Dialect::Paper | Dialect::Arbaro => 0.6,
-    };
-    (length_parent - lost * offset).max(0.0)
+    }
 }

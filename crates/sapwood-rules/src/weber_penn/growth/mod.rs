@@ -1,7 +1,8 @@
 //! Growth: pure functions from parameters and a parent's facts to stems, segments and leaves.
 //!
 //! [`trunks`] seeds the trunks, [`grow`] makes stems of seeds, [`children`] seeds the next level
-//! on them, and [`leaves`] ends on the last. Everything is in tree space.
+//! on them, and [`leaves`] ends on the last. [`foreseen`] tells how far all that may reach.
+//! Everything is in tree space.
 
 mod attraction;
 mod children;
@@ -10,6 +11,7 @@ mod frame;
 mod grow;
 mod leaves;
 mod placement;
+mod reach;
 mod shape_ratio;
 mod split;
 mod stem;
@@ -24,6 +26,8 @@ pub(super) use children::n_children;
 pub use frame::Frame;
 pub use grow::grow;
 pub use leaves::leaves;
+pub(super) use reach::Reach;
+pub use reach::foreseen;
 pub use stem::{Leaf, Segment, Stem, StemSeed, Stems};
 pub(super) use taper::flare_factor;
 pub use trunks::trunks;

@@ -10,7 +10,7 @@ use super::children::{SHORTEST, THINNEST};
 use super::frame::Frame;
 use super::placement::Turn;
 use super::stem::StemSeed;
-use super::variation::Draws;
+use super::variation::{Draws, greatest_deviation};
 use crate::weber_penn::{Crown, Level};
 
 // The oak's 10 ± 10 could give a tree of no size.
@@ -71,4 +71,10 @@ pub fn trunks<E>(
 pub(crate) fn scale_tree(crown: &Crown, path: StreamPath) -> f32 {
     let mut draws = Draws::new(path, Purpose("scale"), crown.variation);
     draws.around(crown.scale, crown.scale_v).max(SMALLEST * crown.scale)
+}
+
+/// The greatest size of a tree in metres that any path gives.
+pub(crate) fn scale_limit(crown: &Crown) -> f32 {
+    let spread = greatest_deviation(crown.variation) * crown.scale_v.abs();
+    (crown.scale + spread).max(SMALLEST * crown.scale).max(0.0)
 }

@@ -52,6 +52,14 @@ impl Draws {
     }
 }
 
+/// How far from the mean a draw may lie, relative to its spread.
+pub(crate) fn greatest_deviation(variation: Variation) -> f32 {
+    match variation {
+        Variation::Uniform => 1.0,
+        Variation::Normal => 3.0f32.sqrt(),
+    }
+}
+
 /// Rounds real amounts to whole ones so that the sums agree (error diffusion).
 ///
 /// The error is kept per stem: it starts evenly distributed in [-0.5, 0.5), which makes the mean

@@ -8,9 +8,9 @@ use sapwood_geom::{Content, Digest, Digester, Shared, StreamPath};
 use sapwood_graph::{Interrupted, Named};
 use sapwood_scene::{ChildPath, Context, Placement, Projection, Rule, RuleError, SlotReader};
 
-use super::super::growth::is_attracted;
+use super::super::growth::{Reach, is_attracted};
 use super::super::slots::{
-    CrownSlot, LeafTargetSlot, LeavesSlot, LevelSlot, StemTargetSlot, TrunkFormSlot,
+    CrownSlot, DetailSlot, LeafTargetSlot, LeavesSlot, LevelSlot, StemTargetSlot, TrunkFormSlot,
 };
 use super::super::{
     Branch, Children, Crown, LeafTarget, Leaves, Level, Seed, Segment, Stem, StemSeed, StemSurface,
@@ -72,16 +72,51 @@ impl Rule for TreeRule {
             }
         };
         let seeds = trunks(&crown, &trunk, path, &mut charging(cx))?;
+        let reach = cx.project(ForeseenReach);
         cx.transform(upright, |cx| {
             cx.push::<StemTargetSlot>(stem_target, |cx| {
                 cx.push::<LeafTargetSlot>(leaf_target, |cx| {
-                    for seed in seeds {
-                        cx.emit(Branch { seed });
+                    for (key, seed) in (0..).zip(seeds) {
+                        let foreseen = reach.bound(seed.frame.origin, seed.length);
+                        cx.emit_keyed(key, Branch { seed }, foreseen);
                     }
                 });
             });
         });
         Ok(())
+    }
+}
+
+/// How far a trunk may reach with everything on it, in steps: most edits of a level make another
+/// tree within the same step, and the tree's own plan stays.
+struct ForeseenReach;
+
+impl Content for ForeseenReach {
+    fn write(&self, _: &mut Digester) {}
+}
+
+impl Projection for ForeseenReach {
+    type Output = Reach;
+    const NAME: &'static str = "weber_penn.foreseen_reach";
+
+    fn compute(&self, slots: &mut SlotReader<'_>) -> Reach {
+        let crown = slots.read::<CrownSlot>();
+        let trunk = slots.read::<LevelSlot<0>>();
+        // What no stem grows by is not read.
+        let mut levels = [trunk.clone(), trunk.clone(), trunk.clone(), trunk];
+        if crown.levels > 1 {
+            levels[1] = slots.read::<LevelSlot<1>>();
+        }
+        if crown.levels > 2 {
+            levels[2] = slots.read::<LevelSlot<2>>();
+        }
+        if crown.levels > 3 {
+            levels[3] = slots.read::<LevelSlot<3>>();
+        }
+        let form = slots.read::<TrunkFormSlot>();
+        let leaves = slots.read::<LeavesSlot>().thinned(slots.read::<DetailSlot>().leaves);
+        let levels = levels.each_ref().map(|level| &**level);
+        Reach::new(&crown, levels, &form, &leaves).rounded_up(crown.scale)
     }
 }
 
