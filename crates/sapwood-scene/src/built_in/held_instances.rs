@@ -64,3 +64,45 @@ impl Rule for HeldInstancesRule {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use sapwood_geom::Mesh;
+    use sapwood_geom::glam::{Vec2, Vec3};
+
+    use super::*;
+    use crate::{Attribute, Scene, built_in_rules};
+
+    fn two(second: Vec3) -> HeldInstances {
+        let mesh = Mesh {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+            normals: vec![Vec3::Z; 3],
+            uvs: vec![Vec2::ZERO; 3],
+            indices: vec![0, 1, 2],
+        };
+        let places = [Vec3::ZERO, second].map(Affine3::from_translation).to_vec();
+        HeldInstances { mesh: SharedMesh::new(mesh), material: None, places: Shared::new(places) }
+    }
+
+    #[test]
+    fn instances_are_one_row_and_as_wires_lines_at_each_place() {
+        let mut scene = Scene::new();
+        let style = scene.add(Attribute::new());
+        let held = scene.add_to(style, two(5.0 * Vec3::X)).unwrap();
+        let view = scene.open_view(style, &built_in_rules()).unwrap();
+        let list = scene.draw_list(view, 10).unwrap();
+        assert_eq!((list.bodies[0].rows.len(), list.n_vertices_and_triangles()), (1, (6, 2)));
+        let all = scene.bounds(view).unwrap().aabb;
+        assert_eq!((all.min, all.max), (Vec3::ZERO, Vec3::new(6.0, 1.0, 0.0)));
+
+        scene.push::<StyleSlot>(style, Style::Wire).unwrap();
+        let list = scene.draw_list(view, 10).unwrap();
+        let lines: Vec<Vec3> = list.placed_lines().map(|(world, _)| world.translation).collect();
+        assert_eq!(lines, [Vec3::ZERO, 5.0 * Vec3::X]);
+        assert_eq!(scene.bounds(view).unwrap().aabb.max, Vec3::new(6.0, 1.0, 0.0));
+
+        scene.edit(held, |held| *held = two(Vec3::NAN)).unwrap();
+        let found = scene.diagnostics(view, 10).unwrap();
+        assert!(found[0].1.message.starts_with("place 1 is not finite"), "{}", found[0].1.message);
+    }
+}

@@ -1,5 +1,6 @@
 //! The container: what of a file's bytes is the JSON text, and what is the binary chunk.
 
+use super::document::Document;
 use crate::{Error, ErrorKind, Place};
 
 const MAGIC: &[u8] = b"glTF";
@@ -25,16 +26,9 @@ impl<'a> Container<'a> {
             return Self::binary(bytes, most_text);
         }
         let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-        let first = text.iter().find(|byte| !byte.is_ascii_whitespace());
-        if first != Some(&b'{') {
-            let found = match first {
-                None => "no text".to_owned(),
-                Some(_) => {
-                    format!("begins with the bytes {:02x?}", &bytes[..bytes.len().min(4)])
-                }
-            };
-            let accepted = "a binary glTF file, or a glTF text".to_owned();
-            return Err(Error::new(ErrorKind::Invalid { at: String::new(), found, accepted }));
+        look_at_beginning(bytes)?;
+        if text.trim_ascii_start().is_empty() {
+            return Err(stranger("no text".to_owned()));
         }
         Ok(Self { text: utf8(text, most_text, true)?, bin: None, is_text: true, n_behind: 0 })
     }
@@ -80,12 +74,51 @@ impl<'a> Container<'a> {
     }
 }
 
-fn utf8(text: &[u8], most: u64, is_text: bool) -> Result<&str, Error> {
-    if text.len() as u64 > most {
-        let at = "the JSON text".to_owned();
-        let (found, limit) = (text.len() as u64, most);
-        return Err(Error::new(ErrorKind::OverLimit { at, found, what: "bytes", limit }));
+/// How many bytes from the beginning on hold the text of a file that begins like `head`, so that it
+/// can be looked at before the rest is read; nothing where that is all of them.
+pub(super) fn n_text(head: &[u8], most_text: u64) -> Result<Option<u64>, Error> {
+    look_at_beginning(head)?;
+    if !head.starts_with(MAGIC) {
+        return Ok(None);
     }
+    let size = number(head, HEADER).map_or(0, u64::from);
+    check_text(size, most_text)?;
+    Ok(Some((HEADER + CHUNK_HEADER) as u64 + size))
+}
+
+/// Whether the text of a binary file, of which no more than that was read, is sound.
+pub(super) fn look_at_text(bytes: &[u8], most_text: u64) -> Result<(), Error> {
+    let chunk = bytes.get(HEADER + CHUNK_HEADER..).unwrap_or_default();
+    let text = utf8(chunk, most_text, false)?;
+    let container = Container { text, bin: None, is_text: false, n_behind: 0 };
+    Document::of(&container).map(drop)
+}
+
+/// The first bytes tell what is no glTF at all.
+fn look_at_beginning(bytes: &[u8]) -> Result<(), Error> {
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
+    if bytes.starts_with(MAGIC) || text.first().is_none_or(|first| *first == b'{') {
+        return Ok(());
+    }
+    Err(stranger(format!("begins with the bytes {:02x?}", &bytes[..bytes.len().min(4)])))
+}
+
+fn stranger(found: String) -> Error {
+    let accepted = "a binary glTF file, or a glTF text".to_owned();
+    Error::new(ErrorKind::Invalid { at: String::new(), found, accepted })
+}
+
+/// Whether a text may be so long.
+pub(super) fn check_text(bytes: u64, most: u64) -> Result<(), Error> {
+    if bytes <= most {
+        return Ok(());
+    }
+    let at = "the JSON text".to_owned();
+    Err(Error::new(ErrorKind::OverLimit { at, found: bytes, what: "bytes", limit: most }))
+}
+
+fn utf8(text: &[u8], most: u64, is_text: bool) -> Result<&str, Error> {
+    check_text(text.len() as u64, most)?;
     std::str::from_utf8(text).map_err(|fault| {
         let before = &text[..fault.valid_up_to()];
         if !is_text {

@@ -19,6 +19,9 @@ use crate::{Error, ErrorKind, Place};
 /// The most entries that all lists of a text may have together.
 pub(super) const MOST_ENTRIES: usize = 1 << 22;
 
+/// The longest string that is read, but for URIs, in bytes.
+const MOST_STRING: usize = 1 << 16;
+
 /// The lists of a document.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum List {
@@ -147,6 +150,7 @@ pub(super) fn invalid(
 
 /// A value of the text at the place `at`.
 pub(super) fn parsed<'a, T: Deserialize<'a>>(raw: &'a RawValue, at: &str) -> Result<T, Error> {
+    refuse_long_strings(raw.get(), at)?;
     if let Ok(value) = serde_json::from_str(raw.get()) {
         return Ok(value);
     }
@@ -164,6 +168,33 @@ pub(super) fn parsed<'a, T: Deserialize<'a>>(raw: &'a RawValue, at: &str) -> Res
             None => invalid(at, message, ""),
         }
     })
+}
+
+/// The parser's messages would repeat a string that stands where none should, however long. Only
+/// where the URI stands, which may hold data, there may be a long one.
+fn refuse_long_strings(text: &str, at: &str) -> Result<(), Error> {
+    if text.len() <= MOST_STRING {
+        return Ok(());
+    }
+    let bytes = text.as_bytes();
+    let is_quote = |byte: &u8| *byte == b'"';
+    let mut from = 0;
+    while let Some(open) = bytes[from..].iter().position(is_quote).map(|quote| from + quote) {
+        let mut end = open + 1;
+        while bytes.get(end).is_some_and(|byte| !is_quote(byte)) {
+            end += if bytes[end] == b'\\' { 2 } else { 1 };
+        }
+        let length = end - open - 1;
+        let before = text[..open].trim_end();
+        let is_uri =
+            || before.strip_suffix(':').is_some_and(|key| key.trim_end().ends_with("\"uri\""));
+        if length > MOST_STRING && !is_uri() {
+            let accepted = format!("at most {MOST_STRING}");
+            return Err(invalid(at, format!("a string of {length} bytes"), accepted));
+        }
+        from = (end + 1).min(bytes.len());
+    }
+    Ok(())
 }
 
 fn syntax(container: &Container<'_>, error: &serde_json::Error) -> Error {
@@ -213,7 +244,8 @@ impl<'de, T: Deserialize<'de>> DeserializeSeed<'de> for ListSeed<'_, T> {
     type Value = Vec<T>;
 
     fn deserialize<D: de::Deserializer<'de>>(self, reader: D) -> Result<Vec<T>, D::Error> {
-        reader.deserialize_seq(self)
+        // Who asks for a sequence is told of a string in full; who asks for anything is handed it.
+        reader.deserialize_any(self)
     }
 }
 
@@ -222,6 +254,11 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for ListSeed<'_, T> {
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str("a list")
+    }
+
+    /// The standard message would hold the whole string.
+    fn visit_str<E: de::Error>(self, _: &str) -> Result<Vec<T>, E> {
+        Err(E::custom("invalid type: string, expected a list"))
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut entries: A) -> Result<Vec<T>, A::Error> {

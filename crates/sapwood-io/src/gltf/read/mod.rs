@@ -51,6 +51,11 @@ const KNOWN: [&str; 6] = [
     "KHR_texture_transform",
 ];
 
+/// Bytes that tell what a file is.
+const HEAD: u64 = 256;
+/// A buffer of more bytes than this is read only for a text that is sound.
+const LARGE: u64 = 1 << 25;
+
 /// How much of a model file is read; a file that holds more is refused before memory is taken for
 /// it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -125,14 +130,38 @@ fn read_file(path: &Path, limits: &ReadLimits) -> Result<Vec<u8>, Error> {
     let file = File::open(path).map_err(failed)?;
     let metadata = file.metadata().map_err(failed)?;
     let too_long = |bytes| Error::new(ErrorKind::TooLong { bytes, limit: limits.bytes });
-    let mut bytes = Vec::new();
-    if metadata.is_file() {
-        if metadata.len() > limits.bytes {
-            return Err(too_long(metadata.len()));
-        }
-        bytes.reserve_exact(metadata.len() as usize);
+    let length = metadata.is_file().then(|| metadata.len());
+    if let Some(length) = length.filter(|length| *length > limits.bytes) {
+        return Err(too_long(length));
     }
-    file.take(limits.bytes.saturating_add(1)).read_to_end(&mut bytes).map_err(failed)?;
+    let mut bytes = Vec::new();
+    let read_up_to = |bytes: &mut Vec<u8>, end: u64| {
+        let more = end.saturating_sub(bytes.len() as u64);
+        (&file).take(more).read_to_end(bytes).map_err(failed)
+    };
+    read_up_to(&mut bytes, HEAD)?;
+    let rest = limits.bytes.saturating_add(1);
+    match container::n_text(&bytes, limits.text_bytes)? {
+        // A large buffer is not read for a text that is none.
+        Some(end) if length.is_none_or(|length| length > end.saturating_add(LARGE)) => {
+            read_up_to(&mut bytes, end.min(rest))?;
+            let text = &bytes[..bytes.len().min(end as usize)];
+            container::look_at_text(text, limits.text_bytes)?;
+            bytes.reserve_exact(length.unwrap_or_default().saturating_sub(end) as usize);
+            read_up_to(&mut bytes, rest)?;
+        }
+        Some(_) => {
+            bytes.reserve_exact(length.unwrap_or_default() as usize);
+            read_up_to(&mut bytes, rest)?;
+        }
+        None => {
+            if let Some(length) = length {
+                container::check_text(length, limits.text_bytes)?;
+                bytes.reserve_exact(length as usize);
+            }
+            read_up_to(&mut bytes, rest.min(limits.text_bytes.saturating_add(1)))?;
+        }
+    }
     match bytes.len() as u64 > limits.bytes {
         true => Err(too_long(bytes.len() as u64)),
         false => Ok(bytes),

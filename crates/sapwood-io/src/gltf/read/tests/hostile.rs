@@ -108,6 +108,48 @@ fn lists_without_end_are_refused() {
 }
 
 #[test]
+fn long_strings_are_not_repeated() {
+    let long = "n".repeat(100_000);
+    let told = "nodes[0]: a string of 100000 bytes (accepted: at most 65536)";
+    check(&[("/nodes/0/name", json!(long))], told);
+    check(&[("/nodes/0/mesh", json!(long))], told);
+    check(
+        &[("/nodes/0/name", json!(format!("{}\"{long}", "\"\\".repeat(9))))],
+        &told.replace("100000", "100038"),
+    );
+    let told = "not valid JSON: invalid type: string, expected a list";
+    check_bytes(format!("{{\"nodes\":\"{long}\"}}").as_bytes(), told);
+    // But for data.
+    let (mut document, bin) = triangle();
+    let data: String = bin.iter().map(|byte| format!("%{byte:02x}")).collect();
+    document["buffers"][0] = json!({ "byteLength": 44, "uri": format!("data:,{data}{long}") });
+    let text = document.to_string().replace("\"uri\":", "\"uri\" :\n ");
+    let model = read(text.as_bytes(), None, &ReadLimits::default()).unwrap();
+    assert_eq!(only_mesh(&model).n_triangles(), 1);
+}
+
+#[test]
+fn a_large_file_is_looked_at_before_it_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.glb");
+    // Files with a hole as large as this take no room, but would take time and memory.
+    let check = |beginning: &[u8], expected: &str| {
+        std::fs::write(&path, beginning).unwrap();
+        std::fs::File::options().write(true).open(&path).unwrap().set_len(1 << 30).unwrap();
+        let error = read_gltf(&path, &ReadLimits::default()).unwrap_err();
+        assert_eq!(error.to_string(), format!("{}: {expected}", path.display()));
+    };
+    let told =
+        "begins with the bytes [00, 00, 00, 00] (accepted: a binary glTF file, or a glTF text)";
+    check(b"", told);
+    check(b"{", "the JSON text: 1073741824 bytes; at most 134217728 are read");
+    let mut bytes = chunks(&[(0x4e4f_534a, b"{\"asset\":{}}")]);
+    check(&bytes, "asset: missing field `version`");
+    bytes[12..16].copy_from_slice(&0x4000_0000u32.to_le_bytes());
+    check(&bytes, "the JSON text: 1073741824 bytes; at most 134217728 are read");
+}
+
+#[test]
 fn limits_are_held_before_anything_is_read() {
     let (document, bin) = triangle();
     let bytes = glb(&document, &bin);

@@ -2,6 +2,7 @@
 
 use sapwood_geom::Mesh;
 use sapwood_graph::{Camera, DrawList, Light, Material};
+use sapwood_rules::weber_penn::{self, Seed, Tree};
 use sapwood_scene::{Scene, built_in_rules};
 
 use super::damage::written;
@@ -102,4 +103,28 @@ fn meshes_come_back_bit_for_bit() {
         parts.map(|part| (part.mesh.clone(), part.material.clone())).collect()
     };
     assert_eq!(parts(&model), parts(&second));
+}
+
+#[test]
+fn trees_are_read_as_they_were_written() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["quaking_aspen", "palm", "wheat"] {
+        let mut scene = Scene::new();
+        let top = scene.add(crate::built_in(name).unwrap().attribute());
+        scene.add_to(top, Tree { seed: Seed::Explicit(3) }).unwrap();
+        let view = scene.open_view(top, &weber_penn::full().over(&built_in_rules())).unwrap();
+        let list = scene.draw_list(view, 10_000).unwrap();
+        let before = drawn(&list);
+        assert!(before.materials.len() >= 2 || name == "palm", "{}", before.materials.len());
+        for ending in ["glb", "gltf"] {
+            let path = folder.path().join(name).with_extension(ending);
+            match ending {
+                "glb" => crate::write_glb(&path, &list).unwrap(),
+                _ => crate::write_gltf(&path, &list).unwrap(),
+            }
+            let model = read_gltf(&path, &ReadLimits::default()).unwrap();
+            assert_eq!(model.warnings, [""; 0]);
+            check_equal(&before, &drawn(&list_of(&model)));
+        }
+    }
 }
