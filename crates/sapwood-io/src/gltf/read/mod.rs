@@ -130,7 +130,7 @@ fn read_file(path: &Path, limits: &ReadLimits) -> Result<Vec<u8>, Error> {
     let file = File::open(path).map_err(failed)?;
     let metadata = file.metadata().map_err(failed)?;
     let too_long = |bytes| Error::new(ErrorKind::TooLong { bytes, limit: limits.bytes });
-    let length = metadata.is_file().then(|| metadata.len());
+    let length = metadata.is_file().then_some(metadata.len());
     if let Some(length) = length.filter(|length| *length > limits.bytes) {
         return Err(too_long(length));
     }
