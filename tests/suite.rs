@@ -4,5 +4,6 @@
 
 mod architecture;
 mod core;
+mod picture;
 mod tutorial;
 mod weber_penn;

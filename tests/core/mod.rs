@@ -9,7 +9,7 @@ mod explain;
 mod ingredients;
 mod kinds;
 mod moving;
-mod picking;
+pub(crate) mod picking;
 mod projections;
 mod random_scripts;
 mod sharing;

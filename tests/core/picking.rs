@@ -1,7 +1,7 @@
 //! Picking: what a ray meets is what testing every triangle finds, what is compiled for it, and
 //! how a hit leads back to what can be edited.
 
-mod every_triangle;
+pub(crate) mod every_triangle;
 
 use sapwood::geom::glam::{Affine3, Mat3, Vec3};
 use sapwood::geom::{Bound, Ray, Shared, SharedMesh, content};

@@ -30,4 +30,4 @@ mod world;
 pub use error::PictureError;
 pub use options::{Background, Ground, PictureOptions, Sky, Sun};
 pub use placed::PlacedCamera;
-pub use studio::{Picture, Progress, RayCounts, Studio};
+pub use studio::{Picture, Progress, RayCounts, Sight, Studio};

@@ -5,6 +5,7 @@ use sapwood_geom::glam::{Affine3, Mat3, Vec3};
 use sapwood_graph::{Camera, Eye, Lens};
 
 use crate::PictureError;
+use crate::camera::Gaze;
 
 /// A camera at its place.
 #[derive(Clone, Debug, PartialEq)]
@@ -135,6 +136,13 @@ impl PlacedCamera {
         };
         let (x, y) = (seen.x / (reach * aspect(size)), seen.y / reach);
         Some([0.5 * width * (1.0 + x), 0.5 * height * (1.0 - y)])
+    }
+
+    /// The ray through a point of a picture of this size, in pixels from the upper left corner: its
+    /// origin, and its direction with unit length. For picking what a pixel shows.
+    pub fn ray(&self, pixel: [f32; 2], size: [u32; 2]) -> (Vec3, Vec3) {
+        let (ray, _) = Gaze::new(self, size).ray(pixel[0], pixel[1]);
+        (ray.origin, ray.direction)
     }
 
     /// The place, with axes of unit length.

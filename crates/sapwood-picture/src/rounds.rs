@@ -10,6 +10,7 @@ use sapwood_graph::{Interrupted, Provide};
 use crate::camera::Gaze;
 use crate::film::Encoding;
 use crate::shade::Shader;
+use crate::trace::MOST_CLUSTERS;
 use crate::world::World;
 use crate::{Picture, PictureError, PictureOptions, Progress, RayCounts};
 
@@ -65,12 +66,7 @@ pub(crate) fn picture(
                 .collect();
             for outcome in outcomes {
                 if outcome.is_too_much {
-                    return Err(Interrupted::Exhausted {
-                        what: "shared parts along one ray",
-                        limit: 1 << 20,
-                        component: provide.plan(provide.root().1).kind.name(),
-                    }
-                    .into());
+                    return Err(too_much(provide).into());
                 }
                 for ([x, y], pixel) in &outcome.finished {
                     image.pixels[(y * width + x) as usize] = *pixel;
@@ -92,6 +88,15 @@ pub(crate) fn picture(
     // Whoever follows learns of the end, and can no longer stop it.
     let _ = progress(&Progress { n_done, n_pixels, n_filled });
     Ok(Picture { image, rays, n_filled })
+}
+
+/// A ray goes through more than it may.
+pub(crate) fn too_much(provide: &dyn Provide) -> Interrupted {
+    Interrupted::Exhausted {
+        what: "shared parts along one ray",
+        limit: u64::from(MOST_CLUSTERS),
+        component: provide.plan(provide.root().1).kind.name(),
+    }
 }
 
 /// The tiles of a picture, row by row.

@@ -7,7 +7,7 @@ use smallvec::{SmallVec, smallvec};
 use crate::world::{Cluster, Item, Look, Surface, World};
 
 /// Clusters that one ray may go through, so that no graph keeps a picture busy for ever.
-const MOST_CLUSTERS: u32 = 1 << 20;
+pub(crate) const MOST_CLUSTERS: u32 = 1 << 20;
 
 /// What a ray meets first.
 pub(crate) enum Met {

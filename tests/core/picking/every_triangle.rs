@@ -69,22 +69,22 @@ impl Triangle {
 }
 
 /// Random rays through a bound.
-pub(super) struct Rays {
+pub(crate) struct Rays {
     bound: Bound,
     stream: Stream,
 }
 
 impl Rays {
-    pub(super) fn new(bound: Bound, seed: u64) -> Self {
+    pub(crate) fn new(bound: Bound, seed: u64) -> Self {
         Self { bound, stream: Stream::new(StreamPath::new(seed), Purpose("rays")) }
     }
 
-    pub(super) fn take(&mut self, n: usize) -> Vec<Ray> {
+    pub(crate) fn take(&mut self, n: usize) -> Vec<Ray> {
         (0..n).map(|_| self.next()).collect()
     }
 
     /// From somewhere in or about the bound toward somewhere in it; every seventh ends there.
-    pub(super) fn next(&mut self) -> Ray {
+    pub(crate) fn next(&mut self) -> Ray {
         let (min, size) = (self.bound.aabb.min, self.bound.aabb.size());
         let mut inside = || Vec3::from_array([(); 3].map(|()| self.stream.unit())) * size + min;
         let (to, from) = (inside(), inside());
@@ -100,7 +100,7 @@ impl Rays {
 
 /// Picks with each of `rays` and compares each hit with what testing every triangle finds; tells
 /// how many rays met something. Nothing but the picks compiles before they are done.
-pub(super) fn check(scene: &mut Scene, view: ViewId, rays: &[Ray], options: &PickOptions) -> u32 {
+pub(crate) fn check(scene: &mut Scene, view: ViewId, rays: &[Ray], options: &PickOptions) -> u32 {
     let hits: Vec<Option<Hit>> =
         rays.iter().map(|ray| scene.pick(view, ray, options).unwrap()).collect();
     let all = triangles(scene, view);
@@ -150,7 +150,7 @@ fn compare(ray: &Ray, hit: &Hit, distance: f64, triangle: &Triangle) {
 }
 
 /// Reads the plan at the end of a path, with its frame.
-pub(super) fn plan_at<R>(
+pub(crate) fn plan_at<R>(
     scene: &mut Scene,
     view: ViewId,
     path: &[u32],

@@ -116,9 +116,9 @@ pub(super) fn along(
         let is_met = enters.simd_le(leaves).to_bitmask();
         let enters = enters.to_array();
         let bottom = stack.len();
-        for lane in 0..WIDTH {
+        for (lane, (child, enters)) in node.children.into_iter().zip(enters).enumerate() {
             if is_met >> lane & 1 != 0 {
-                stack.push((node.children[lane], enters[lane]));
+                stack.push((child, enters));
             }
         }
         // The nearest last, for the stack gives back the last first.

@@ -21,6 +21,11 @@ impl LineWidth {
         Self { eye: gaze.eye(), half }
     }
 
+    /// Lines that are as thick as they say.
+    pub(crate) fn none() -> Self {
+        Self { eye: Vec3::ZERO, half: PixelWidth { base: 0.0, slope: 0.0 } }
+    }
+
     /// The least radius of a line at a point, both in a frame that `world` leads to the root's
     /// from.
     fn at(&self, point: Vec3, world: &Affine3) -> f32 {

@@ -21,8 +21,6 @@ pub(crate) use cluster::{Cluster, Item};
 pub(crate) use line::{LinePiece, LineWidth};
 pub(crate) use look::{Look, Matter};
 
-use crate::PictureOptions;
-use crate::camera::Gaze;
 use gather::{Gather, Task};
 use survey::Survey;
 use wanted::Wanted;
@@ -80,8 +78,7 @@ impl World {
     /// Everything that is compiled, after what has no foreseen bound was compiled too.
     pub(crate) fn new(
         provide: &mut dyn Provide,
-        gaze: &Gaze,
-        options: &PictureOptions,
+        line_width: LineWidth,
     ) -> Result<Self, Interrupted> {
         let mut world = Self {
             clusters: Vec::new(),
@@ -90,7 +87,7 @@ impl World {
             waits: Vec::new(),
             lights: Vec::new(),
             n_filled: 0,
-            line_width: LineWidth::new(gaze, options.line_width),
+            line_width,
             has_lines: false,
             n_items: 0,
             look_of: FixedMap::with_hasher(fixed_state()),
@@ -106,9 +103,9 @@ impl World {
         Ok(world)
     }
 
-    /// Whether the world is what this camera would find.
-    pub(crate) fn suits(&self, gaze: &Gaze, options: &PictureOptions) -> bool {
-        !self.has_lines || self.line_width == LineWidth::new(gaze, options.line_width)
+    /// Whether the world is the same for lines of this width.
+    pub(crate) fn suits(&self, line_width: LineWidth) -> bool {
+        !self.has_lines || self.line_width == line_width
     }
 
     /// Compiles what stands behind waiting links, each named once, and whatever has no foreseen
