@@ -10,17 +10,19 @@
 //! scene, camera and options give the same bytes on any number of threads.
 //!
 //! Lights behind a foreseen bound do not shine, for nobody knows of them; labels and cameras are
-//! not drawn. This crate opens no files: the picture is an [`Image`](sapwood_geom::Image).
+//! not drawn. A [`Sheet`] holds many pictures with their captions. This crate opens no files: the picture is an [`Image`](sapwood_geom::Image).
 
 mod camera;
 mod error;
 mod film;
+mod lettering;
 mod light;
 mod options;
 mod pattern;
 mod placed;
 mod rounds;
 mod shade;
+mod sheet;
 mod spot;
 mod studio;
 mod texture;
@@ -30,4 +32,5 @@ mod world;
 pub use error::PictureError;
 pub use options::{Background, Ground, PictureOptions, Sky, Sun};
 pub use placed::PlacedCamera;
+pub use sheet::{Paper, Sheet};
 pub use studio::{Picture, Progress, RayCounts, Sight, Studio};

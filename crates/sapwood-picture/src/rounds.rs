@@ -17,8 +17,11 @@ use crate::{Picture, PictureError, PictureOptions, Progress, RayCounts};
 /// Pixels along the edge of a tile.
 const TILE: u32 = 16;
 
-/// Tiles between two calls of the progress.
+/// Tiles between two calls of the progress, at most.
 const BATCH: usize = 128;
+
+/// Rays from the camera between two calls of the progress, as long as no thread is idle for it.
+const BATCH_RAYS: u64 = 1 << 17;
 
 /// Pixels that are not finished.
 struct Tile {
@@ -54,7 +57,7 @@ pub(crate) fn picture(
     while !tiles.is_empty() {
         let mut waits = Vec::new();
         let mut rest = Vec::new();
-        for batch in tiles.chunks(BATCH) {
+        for batch in tiles.chunks(batch_size(options.samples)) {
             let n_filled = world.n_filled - n_filled_before;
             if progress(&Progress { n_done, n_pixels, n_filled }).is_break() {
                 return Err(Interrupted::Cancelled.into());
@@ -97,6 +100,14 @@ pub(crate) fn too_much(provide: &dyn Provide) -> Interrupted {
         limit: u64::from(MOST_CLUSTERS),
         component: provide.plan(provide.root().1).kind.name(),
     }
+}
+
+/// Tiles between two calls of the progress. Many samples take long, and whoever wants to stop does
+/// not want to wait.
+fn batch_size(samples: u32) -> usize {
+    let tile = u64::from(TILE * TILE) * u64::from(samples);
+    let busy = 2 * rayon::current_num_threads();
+    ((BATCH_RAYS / tile) as usize).clamp(busy.min(BATCH), BATCH)
 }
 
 /// The tiles of a picture, row by row.
