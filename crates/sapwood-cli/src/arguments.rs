@@ -6,6 +6,7 @@ use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use tracing_subscriber::filter::LevelFilter;
 
 use crate::grow::Output;
+use crate::picture::{PictureArguments, PictureFile, TurntableArguments, place};
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -27,7 +28,22 @@ Examples:
   sapwood grow black_tupelo --seed 7 -o tupelo.gltf -o tupelo.obj -o tupelo.svg
   sapwood grow my_species.toml --at 12,0,-3.5 --detail skeleton -o lines.svg
   sapwood grow weeping_willow --detail draft --quality 0.5 -o willow.glb
-  sapwood grow weeping_willow --levels 2 --json";
+  sapwood grow weeping_willow --levels 2 --json
+  sapwood grow palm -o palm.png --size 600x800 --ground --sun 1,0.5,0.3
+  sapwood grow apple -o turn.png --turntable 24 --samples 4 --transparent";
+
+const PICTURE_EXAMPLES: &str = "\
+Examples:
+  sapwood picture tree.glb -o tree.png
+  sapwood picture house.gltf --size 1920x1080 --samples 64 --ground -o house.png
+  sapwood picture tree.glb --eye 8,1.7,8 --target 0,4,0 --fov 60 -o tree.png
+  sapwood picture tree.glb --style wire --from 0,0,1 --orthographic -o front.png";
+
+const FAMILY_EXAMPLES: &str = "\
+Examples:
+  sapwood family quaking_aspen --count 12 -o aspens.png
+  sapwood family black_tupelo --count 6 --seed 100 --size 400x600 --ground -o tupelos.png
+  sapwood family my_species.toml --count 20 --detail draft --style skeleton -o lines.png";
 
 const DUMP_EXAMPLES: &str = "\
 Values are told by the first eight digits of their digests: equal ones are equal.
@@ -52,6 +68,12 @@ pub(crate) enum Command {
     /// Grow a tree, tell how large it is and write it to files
     #[command(after_help = GROW_EXAMPLES)]
     Grow(GrowArguments),
+    /// Draw a glTF file, such as one that was grown
+    #[command(after_help = PICTURE_EXAMPLES)]
+    Picture(PictureCommand),
+    /// Draw a contact sheet: individuals of one species at the same scale, each with its seed
+    #[command(after_help = FAMILY_EXAMPLES)]
+    Family(FamilyArguments),
     /// Take a compiled tree apart, for people who write rules: the components of its scene, the
     /// plans they were compiled to with what was read, the sites with what they are found by, and
     /// the render graph
@@ -62,12 +84,9 @@ pub(crate) enum Command {
     Species(SpeciesArguments),
 }
 
-/// Which tree, and how much of it.
+/// Which individual of a species.
 #[derive(Args, Debug)]
-pub(crate) struct TreeArguments {
-    /// Name of a built-in species (see `sapwood species`), or a species file
-    #[arg(value_name = "SPECIES|FILE")]
-    pub(crate) species: String,
+pub(crate) struct IndividualArguments {
     /// Which individual: another number, another tree [default: 0]
     #[arg(long, value_name = "N", value_parser = number, allow_negative_numbers = true)]
     pub(crate) seed: Option<u64>,
@@ -81,6 +100,14 @@ pub(crate) struct TreeArguments {
         conflicts_with = "seed"
     )]
     pub(crate) at: Option<[f32; 3]>,
+}
+
+/// Which species, and how much of a tree.
+#[derive(Args, Debug)]
+pub(crate) struct TreeArguments {
+    /// Name of a built-in species (see `sapwood species`), or a species file
+    #[arg(value_name = "SPECIES|FILE")]
+    pub(crate) species: String,
     /// What to make of stems and leaves
     #[arg(long, value_enum, default_value_t = Detail::Full)]
     pub(crate) detail: Detail,
@@ -114,18 +141,71 @@ pub(crate) struct TreeArguments {
 #[derive(Args, Debug)]
 pub(crate) struct GrowArguments {
     #[command(flatten)]
+    pub(crate) individual: IndividualArguments,
+    #[command(flatten)]
     pub(crate) tree: TreeArguments,
     /// Write a file; may be given several times, and all files are written or none: .glb, .gltf
-    /// (with a .bin) and .obj (with a .mtl) for surfaces and leaves, .svg for the skeleton
+    /// (with a .bin) and .obj (with a .mtl) for surfaces and leaves, .svg for the skeleton, .png for
+    /// a picture
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<Output>,
     /// Tell what was grown as one JSON object instead of a table; the README has its keys
     #[arg(long)]
     pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) picture: PictureArguments,
+    #[command(flatten)]
+    pub(crate) turntable: TurntableArguments,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct PictureCommand {
+    /// The file to draw: .glb, or .gltf with whatever it refers to in its folder
+    #[arg(value_name = "FILE")]
+    pub(crate) file: PathBuf,
+    /// The picture to write, a .png file, whole or not at all
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: PictureFile,
+    /// Tell what was drawn as one JSON object; the README has its keys
+    #[arg(long)]
+    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) picture: PictureArguments,
+    #[command(flatten)]
+    pub(crate) turntable: TurntableArguments,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct FamilyArguments {
+    /// The first individual; each of the others has the next number [default: 0]
+    #[arg(long, value_name = "N", value_parser = number, allow_negative_numbers = true)]
+    pub(crate) seed: Option<u64>,
+    #[command(flatten)]
+    pub(crate) tree: TreeArguments,
+    /// How many individuals to draw
+    #[arg(
+        short = 'n',
+        long,
+        value_name = "N",
+        default_value = "12",
+        value_parser = individuals,
+        allow_negative_numbers = true
+    )]
+    pub(crate) count: u32,
+    /// The sheet to write, a .png file, whole or not at all
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: PictureFile,
+    /// Tell what was drawn as one JSON object; the README has its keys
+    #[arg(long)]
+    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) picture: PictureArguments,
 }
 
 #[derive(Args, Debug)]
 pub(crate) struct DumpArguments {
+    #[command(flatten)]
+    pub(crate) individual: IndividualArguments,
     #[command(flatten)]
     pub(crate) tree: TreeArguments,
     /// Write no more than that many lines of each list
@@ -177,6 +257,25 @@ pub(crate) enum SpeciesCommand {
     },
 }
 
+/// An individual of a species.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Individual {
+    /// With this seed, at the origin.
+    Seed(u64),
+    /// The one that grows at this place.
+    At([f32; 3]),
+}
+
+impl IndividualArguments {
+    /// The individual that is asked for.
+    pub(crate) fn individual(&self) -> Individual {
+        match self.at {
+            Some(place) => Individual::At(place),
+            None => Individual::Seed(self.seed.unwrap_or(0)),
+        }
+    }
+}
+
 impl Arguments {
     /// What is told on standard error.
     pub(crate) fn level(&self) -> LevelFilter {
@@ -193,6 +292,14 @@ fn number(text: &str) -> Result<u64, String> {
     text.parse().map_err(|_| format!("accepted: whole numbers from 0 to {}", u64::MAX))
 }
 
+/// Individuals of one sheet.
+const MOST_INDIVIDUALS: u32 = 1000;
+
+fn individuals(text: &str) -> Result<u32, String> {
+    let count = text.parse().ok().filter(|n| (1..=MOST_INDIVIDUALS).contains(n));
+    count.ok_or_else(|| format!("accepted: whole numbers from 1 to {MOST_INDIVIDUALS}"))
+}
+
 fn lines(text: &str) -> Result<usize, String> {
     text.parse().map_err(|_| format!("accepted: whole numbers from 0 to {}", usize::MAX))
 }
@@ -207,15 +314,6 @@ fn quality(text: &str) -> Result<f32, String> {
     quality.ok_or_else(|| "accepted: above 0, up to 1".to_owned())
 }
 
-fn place(text: &str) -> Result<[f32; 3], String> {
-    let numbers = text.split(',').map(|number| number.trim().parse::<f32>());
-    let numbers: Vec<f32> = numbers.collect::<Result<_, _>>().unwrap_or_default();
-    match <[f32; 3]>::try_from(numbers) {
-        Ok(place) if place.iter().all(|x| x.is_finite()) => Ok(place),
-        _ => Err("accepted: three finite numbers, as in 12,0,-3.5".to_owned()),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use clap::CommandFactory as _;
@@ -227,15 +325,6 @@ mod tests {
         Arguments::command().debug_assert();
         let help = Arguments::command().render_long_help().to_string();
         assert!(help.contains("Exit codes:\n  0  done"), "{help}");
-    }
-
-    #[test]
-    fn places_are_three_finite_numbers() {
-        assert_eq!(place("1,-2.5, 3e1"), Ok([1.0, -2.5, 30.0]));
-        for wrong in ["", "1,2", "1,2,3,4", "1,2,x", "1,2,nan", "inf,0,0", "1e39,0,0", "1;2;3"] {
-            let error = place(wrong).unwrap_err();
-            assert!(error.starts_with("accepted: three finite numbers"), "{wrong}: {error}");
-        }
     }
 
     #[test]

@@ -21,10 +21,10 @@ pub(crate) fn run(
 }
 
 fn text(arguments: &DumpArguments, watch: &Watch) -> Result<String, Failure> {
-    let DumpArguments { tree: of, max_lines } = arguments;
+    let DumpArguments { individual, tree: of, max_lines } = arguments;
     let species = tree::species(of)?;
     let mut scene = Scene::new();
-    let root = tree::planted(&mut scene, &species, of)?;
+    let root = tree::planted(&mut scene, &species, individual.individual())?;
     let (view, _) = tree::compiled(&mut scene, root, &tree::rules(of), of, watch)?;
     let mut text = scene.explain(view, *max_lines)?;
     text.push_str("render graph\n");

@@ -4,6 +4,7 @@ use std::io;
 use std::process::ExitCode;
 
 use sapwood::graph::{Diagnostic, Interrupted};
+use sapwood::picture::PictureError;
 use sapwood::scene::{EditError, ViewError};
 
 /// A failed command.
@@ -85,6 +86,17 @@ impl From<ViewError> for Failure {
              kind {component}; {advice}; nothing was written"
         );
         Self { code: Self::BUDGET, lines: vec![line] }
+    }
+}
+
+/// Something that cannot be looked at, mostly: arguments are checked before.
+impl From<PictureError> for Failure {
+    fn from(error: PictureError) -> Self {
+        match error {
+            PictureError::Interrupted(why) => Self::from(ViewError::Interrupted(why)),
+            PictureError::Option { .. } => Self::usage(error.to_string()),
+            _ => Self { code: Self::INPUT, lines: vec![error.to_string()] },
+        }
     }
 }
 

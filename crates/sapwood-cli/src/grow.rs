@@ -9,17 +9,19 @@ use std::time::{Duration, Instant};
 
 use sapwood::graph::DrawList;
 use sapwood::io::FileSet;
-use sapwood::scene::Scene;
+use sapwood::scene::{Attribute, Handle, RuleSet, Scene, ViewId};
 use tracing::{Level, info};
 
-use crate::arguments::{Detail, GrowArguments, TreeArguments};
+use crate::arguments::{Detail, GrowArguments, Individual, TreeArguments};
 use crate::failure::Failure;
+use crate::picture::{self, Extent, Order, Toll, Track};
 use crate::tree;
 use crate::watch::Watch;
 
-use output::Format;
 pub(crate) use output::Output;
+use output::{Format, ListFormat};
 use summary::{Census, Phase, Summary};
+pub(crate) use summary::{grouped, size};
 
 /// Grows a tree; what is at fault is found in this order: arguments, species, compiling, files.
 pub(crate) fn run(
@@ -31,7 +33,7 @@ pub(crate) fn run(
     watch.done();
     let summary = outcome?;
     if arguments.json {
-        writeln!(out, "{}", json::json(&summary, &arguments.tree))?;
+        writeln!(out, "{}", json::json(&summary, arguments))?;
     } else {
         write!(out, "{summary}")?;
     }
@@ -39,14 +41,14 @@ pub(crate) fn run(
 }
 
 fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
-    check_outputs(arguments)?;
+    let order = check_outputs(arguments)?;
     let mut steps = Steps::default();
-    let of = &arguments.tree;
+    let (individual, of) = (arguments.individual.individual(), &arguments.tree);
     let species = steps.time("read", || tree::species(of))?;
 
     let mut scene = Scene::new();
     scene.set_logging(tracing::enabled!(Level::DEBUG));
-    let root = tree::planted(&mut scene, &species, of)?;
+    let root = tree::planted(&mut scene, &species, individual)?;
     let rules = tree::rules(of);
     let (view, bounds) =
         steps.time("compile", || tree::compiled(&mut scene, root, &rules, of, watch))?;
@@ -57,7 +59,7 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
     let surfaces = has_surfaces.then(|| list.n_vertices_and_triangles());
 
     // Everything is compiled before the first file is written.
-    let wants_svg = arguments.output.iter().any(|output| output.format() == Format::Svg);
+    let wants_svg = arguments.output.iter().any(|o| o.format() == Format::List(ListFormat::Svg));
     let mut lines = None;
     if has_surfaces && wants_svg {
         let rules = sapwood::skeleton_rules();
@@ -66,48 +68,114 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
             Ok::<_, Failure>(scene.draw_list(view, usize::MAX)?)
         })?);
     }
-    write_outputs(arguments, &list, lines.as_ref().unwrap_or(&list), watch, &mut steps)?;
+    let follower = watch.clone();
+    let mut files = FileSet::watched(move |path, bytes| follower.written(path, bytes));
+    let lines = lines.as_ref().unwrap_or(&list);
+    write_lists(arguments, &mut files, &list, lines, watch, &mut steps)?;
+    let mut toll = None;
+    if let Some(order) = &order {
+        let grown = Grown { scene: &mut scene, root, rules: &rules, view };
+        let foot = match individual {
+            Individual::At([_, y, _]) => y,
+            Individual::Seed(_) => 0.0,
+        };
+        let mut extent = Extent::of_box(bounds.aabb, foot);
+        if order.is_turned() {
+            extent = extent.tightened(&list);
+        }
+        toll =
+            Some(write_pictures(arguments, order, grown, &extent, &mut files, watch, &mut steps)?);
+    }
+    watch.check()?;
+    files.commit()?;
 
     let species = if species.name.is_empty() { of.species.clone() } else { species.name };
-    let title = title(&species, of);
+    let title = title(&species, individual, of);
     let (bounds, phases) = (bounds.aabb, steps.0);
-    Ok(Summary { species, title, census, components, surfaces, bounds, phases })
+    Ok(Summary { species, title, census, components, surfaces, bounds, phases, picture: toll })
 }
 
-/// Writes all files, or none where one of them fails.
-fn write_outputs(
+/// Adds all files that hold what is drawn.
+fn write_lists(
     arguments: &GrowArguments,
+    files: &mut FileSet,
     list: &DrawList,
     lines: &DrawList,
     watch: &Watch,
     steps: &mut Steps,
 ) -> Result<(), Failure> {
-    let follower = watch.clone();
-    let mut files = FileSet::watched(move |path, bytes| follower.written(path, bytes));
     for output in &arguments.output {
+        let Format::List(format) = output.format() else { continue };
         watch.check()?;
-        let list = if output.format() == Format::Svg { lines } else { list };
+        let list = if format == ListFormat::Svg { lines } else { list };
         let start = Instant::now();
-        let bytes = output.write(&mut files, list)?;
+        let bytes = format.write(output.path(), files, list)?;
         steps.note(output.path().display().to_string(), start.elapsed(), Some(bytes));
     }
-    watch.check()?;
-    Ok(files.commit()?)
+    Ok(())
 }
 
-/// Refuses files that hold what the detail does not make, and files that are written twice.
-fn check_outputs(arguments: &GrowArguments) -> Result<(), Failure> {
+/// A tree in a scene, and the view that it was compiled for.
+struct Grown<'a> {
+    scene: &'a mut Scene,
+    root: Handle<Attribute>,
+    rules: &'a RuleSet,
+    view: ViewId,
+}
+
+/// Takes the pictures and adds each to all the files that are to hold it.
+fn write_pictures(
+    arguments: &GrowArguments,
+    order: &Order,
+    grown: Grown<'_>,
+    extent: &Extent,
+    files: &mut FileSet,
+    watch: &Watch,
+    steps: &mut Steps,
+) -> Result<Toll, Failure> {
+    let Grown { scene, root, rules, mut view } = grown;
+    let of = &arguments.tree;
+    if order.style.is_some() {
+        // What other files hold has the style that it had.
+        (view, _) = tree::compiled(scene, root, rules, of, watch)?;
+        picture::style(scene, view, order)?;
+    }
+    let turns = arguments.turntable.turntable;
+    let outputs = arguments.output.iter().filter(|output| output.format() == Format::Png);
+    let mut written: Vec<_> = outputs.map(|output| (output, Duration::ZERO, 0)).collect();
+    let track = Track { watch, n_before: 0, n_pictures: order.n_pictures() };
+    let toll = picture::take(scene, view, order, extent, &track, |number, image| {
+        for (output, time, bytes) in &mut written {
+            let start = Instant::now();
+            let name = picture::names(output.path(), turns).nth(number as usize);
+            files.add_png(name.unwrap_or_default(), &image)?;
+            *bytes += files.written().last().map_or(0, |(_, bytes)| bytes);
+            *time += start.elapsed();
+        }
+        watch.check()
+    })?;
+    steps.note("pictures".to_owned(), toll.time, None);
+    for (output, time, bytes) in written {
+        steps.note(output.path().display().to_string(), time, Some(bytes));
+    }
+    Ok(toll)
+}
+
+/// Refuses files that hold what the detail does not make, files that are written twice, and what
+/// is said of pictures where there are none. Gives what is asked of the pictures.
+fn check_outputs(arguments: &GrowArguments) -> Result<Option<Order>, Failure> {
     let mut outputs = arguments.output.iter();
     if arguments.tree.detail == Detail::Skeleton
         && let Some(output) = outputs.find(|output| output.needs_surfaces())
     {
         return Err(Failure::usage(format!(
             "{}: glTF files hold surfaces, and --detail skeleton makes none; accepted: .obj, \
-             .svg, or --detail full",
+             .svg, .png, or --detail full",
             output.path().display()
         )));
     }
-    if let Some((first, second, file)) = output::clash(&arguments.output) {
+    let turns = arguments.turntable.turntable;
+    if let Some((first, second, file)) = output::clash(&arguments.output, turns) {
         return Err(Failure::usage(format!(
             "{} and {} would both be written to {}; nothing was written",
             first.path().display(),
@@ -115,10 +183,22 @@ fn check_outputs(arguments: &GrowArguments) -> Result<(), Failure> {
             file.display()
         )));
     }
-    Ok(())
+    let pictures = || arguments.output.iter().filter(|output| output.format() == Format::Png);
+    if pictures().next().is_none() {
+        let in_vain = arguments.picture.given().or(turns.map(|_| "--turntable"));
+        return match in_vain {
+            None => Ok(None),
+            Some(option) => Err(Failure::usage(format!(
+                "{option}: there is no picture that it is for (accepted: with -o FILE.png)"
+            ))),
+        };
+    }
+    let order = Order::new(&arguments.picture, turns, None)?;
+    picture::check_targets(pictures().flat_map(|output| picture::names(output.path(), turns)))?;
+    Ok(Some(order))
 }
 
-fn title(name: &str, arguments: &TreeArguments) -> String {
+fn title(name: &str, individual: Individual, arguments: &TreeArguments) -> String {
     let detail = match arguments.detail {
         Detail::Full => "",
         Detail::Draft => ", draft",
@@ -128,9 +208,9 @@ fn title(name: &str, arguments: &TreeArguments) -> String {
         1.0 => String::new(),
         quality => format!(", quality {quality}"),
     };
-    match arguments.at {
-        Some([x, y, z]) => format!("{name} at {x}, {y}, {z}{detail}{quality}"),
-        None => format!("{name}, seed {}{detail}{quality}", arguments.seed.unwrap_or(0)),
+    match individual {
+        Individual::At([x, y, z]) => format!("{name} at {x}, {y}, {z}{detail}{quality}"),
+        Individual::Seed(seed) => format!("{name}, seed {seed}{detail}{quality}"),
     }
 }
 
@@ -253,7 +333,7 @@ mod tests {
         let arguments = parsed("quaking_aspen");
         let species = sapwood::io::find_species("quaking_aspen").unwrap();
         let mut scene = Scene::new();
-        let root = tree::planted(&mut scene, &species, &arguments.tree).unwrap();
+        let root = tree::planted(&mut scene, &species, arguments.individual.individual()).unwrap();
         let rules = sapwood::standard_rules();
         tree::compiled(&mut scene, root, &rules, &arguments.tree, &Watch::default()).unwrap();
         scene.set_logging(true);

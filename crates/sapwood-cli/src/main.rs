@@ -6,7 +6,9 @@
 mod arguments;
 mod dump;
 mod failure;
+mod family;
 mod grow;
+mod picture;
 mod species;
 mod tree;
 mod watch;
@@ -50,6 +52,8 @@ fn run(
 ) -> Result<(), Failure> {
     match command {
         Command::Grow(command) => grow::run(&command, &watch(), out),
+        Command::Picture(command) => picture::run(&command, &watch(), out),
+        Command::Family(command) => family::run(&command, &watch(), out),
         Command::Dump(command) => dump::run(&command, &watch(), out),
         Command::Species(command) => species::run(command, out),
     }

@@ -7,7 +7,7 @@ use sapwood::rules::weber_penn::{self, DetailSlot, Seed, Species, Tree};
 use sapwood::scene::{Action, Attribute, Budget, Handle, RuleSet, Scene, Transform, ViewId};
 use tracing::debug;
 
-use crate::arguments::{Detail, TreeArguments};
+use crate::arguments::{Detail, Individual, TreeArguments};
 use crate::failure::Failure;
 use crate::watch::Watch;
 
@@ -34,15 +34,14 @@ pub(crate) fn rules(arguments: &TreeArguments) -> RuleSet {
 pub(crate) fn planted(
     scene: &mut Scene,
     species: &Species,
-    arguments: &TreeArguments,
+    individual: Individual,
 ) -> Result<Handle<Attribute>, Failure> {
     let root = scene.add(species.attribute());
-    match arguments.at {
-        None => {
-            let seed = Seed::Explicit(arguments.seed.unwrap_or(0));
-            scene.add_to(root, Tree { seed })?;
+    match individual {
+        Individual::Seed(seed) => {
+            scene.add_to(root, Tree { seed: Seed::Explicit(seed) })?;
         }
-        Some([x, y, z]) => {
+        Individual::At([x, y, z]) => {
             let place = scene.add_to(root, Transform::translation(x, y, z))?;
             scene.add_to(place, Tree { seed: Seed::Position { cell: CELL } })?;
         }

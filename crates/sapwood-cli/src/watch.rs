@@ -18,6 +18,9 @@ const LAST: u32 = 3;
 /// Time between two pictures of the progress.
 const TICK: Duration = Duration::from_millis(100);
 
+/// A share of something: how it is shown.
+const BAR: &str = "{msg} [{bar:40}] {percent:>3} %, {eta} to go";
+
 /// Follows a run; clones follow the same one. By default nothing is shown and nobody stops it.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Watch {
@@ -27,7 +30,8 @@ pub(crate) struct Watch {
 
 impl Watch {
     /// Follows the run of this process: an interrupt ends it at its next check, so that it takes
-    /// its temporary files along; a third one ends it at once, and they stay. Progress is shown on standard error if that is wanted.
+    /// its temporary files along; a third one ends it at once, and they stay. Progress is shown on
+    /// standard error if that is wanted.
     pub(crate) fn of_process(shows_progress: bool) -> Self {
         let wish = Wish::default();
         let told = wish.clone();
@@ -68,6 +72,14 @@ impl Watch {
         if self.wish.is_uttered() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
+    /// Tells how many pixels are drawn, and whether to go on.
+    pub(crate) fn drawn(&self, n_done: u64, n_pixels: u64) -> ControlFlow<()> {
+        if let Some(progress) = &self.progress {
+            progress.show_share(n_done, n_pixels, "drawing");
+        }
+        if self.wish.is_uttered() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
     /// Takes away what is shown.
     pub(crate) fn done(&self) {
         if let Some(progress) = &self.progress {
@@ -90,15 +102,42 @@ impl Progress {
         Self { bar, start: Instant::now() }
     }
 
+    /// Shows something of which nobody knows how long it takes.
     fn show(&self, message: String) {
-        if self.start.elapsed() < PATIENCE {
+        if !self.is_shown() {
             return;
+        }
+        if self.bar.length().is_some() {
+            self.bar.unset_length();
+            self.bar.set_style(ProgressStyle::default_spinner());
+        }
+        self.bar.set_message(message);
+    }
+
+    /// Shows how much of something is done.
+    fn show_share(&self, n_done: u64, n: u64, message: &'static str) {
+        if !self.is_shown() {
+            return;
+        }
+        if self.bar.length() != Some(n) {
+            let style = ProgressStyle::with_template(BAR).expect("the template is sound");
+            self.bar.set_style(style.progress_chars("##-"));
+            self.bar.set_length(n);
+        }
+        self.bar.set_message(message);
+        self.bar.set_position(n_done);
+    }
+
+    /// Whether the run has taken long enough for progress to be shown, which it then is.
+    fn is_shown(&self) -> bool {
+        if self.start.elapsed() < PATIENCE {
+            return false;
         }
         if self.bar.is_hidden() {
             self.bar.set_draw_target(ProgressDrawTarget::stderr());
             self.bar.enable_steady_tick(TICK);
         }
-        self.bar.set_message(message);
+        true
     }
 }
 

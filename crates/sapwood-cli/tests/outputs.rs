@@ -94,7 +94,7 @@ fn where_one_output_is_bad_none_is_written() {
         let said = fails(at, &format!("grow quaking_aspen --levels 2 {outputs}"), code);
         assert!(said.contains(expected), "{outputs}: {said}");
     };
-    check("-o a.glb -o a.ply", 2, "accepted: names that end in .glb, .gltf, .obj or .svg");
+    check("-o a.glb -o a.ply", 2, "accepted: names that end in .glb, .gltf, .obj, .svg or .png");
     check("-o a.glb -o no/a.obj", 3, "no/a.mtl: cannot be written: there is no folder");
     check("-o a.glb -o a.obj -o ./a.glb", 2, "a.glb and ./a.glb would both be written to");
     check("-o a.gltf -o a.GLTF", 2, "a.bin; nothing was written");
@@ -180,6 +180,7 @@ fn the_summary_may_be_json() {
         "bounds",
         "seconds",
         "outputs",
+        "picture",
     ];
     expected.sort();
     assert_eq!(keys, expected);

@@ -6,7 +6,8 @@ use sapwood::geom::Aabb;
 use serde::Serialize;
 
 use super::summary::{Phase, Summary};
-use crate::arguments::{Detail, TreeArguments};
+use crate::arguments::{Detail, GrowArguments, Individual};
+use crate::picture::TollDocument;
 
 /// The object; the README tells what its keys mean.
 #[derive(Debug, Serialize)]
@@ -25,6 +26,7 @@ struct Document<'a> {
     bounds: Option<Bounds>,
     seconds: BTreeMap<&'a str, f64>,
     outputs: Vec<Written<'a>>,
+    picture: Option<TollDocument>,
 }
 
 #[derive(Debug, Serialize)]
@@ -41,21 +43,24 @@ struct Written<'a> {
 }
 
 /// The object, on one line.
-pub(super) fn json(summary: &Summary, arguments: &TreeArguments) -> String {
-    let Summary { species, census, surfaces, bounds, phases, components, .. } = summary;
-    let seed = arguments.seed.unwrap_or(0);
+pub(super) fn json(summary: &Summary, arguments: &GrowArguments) -> String {
+    let Summary { species, census, surfaces, bounds, phases, components, picture, .. } = summary;
+    let (seed, at) = match arguments.individual.individual() {
+        Individual::Seed(seed) => (Some(seed), None),
+        Individual::At(place) => (None, Some(place)),
+    };
     let seconds = |phase: &Phase| phase.time.as_secs_f64();
     let (outputs, steps): (Vec<_>, Vec<_>) = phases.iter().partition(|phase| phase.bytes.is_some());
     let document = Document {
         species,
-        seed: arguments.at.is_none().then_some(seed),
-        at: arguments.at,
-        detail: match arguments.detail {
+        seed,
+        at,
+        detail: match arguments.tree.detail {
             Detail::Full => "full",
             Detail::Draft => "draft",
             Detail::Skeleton => "skeleton",
         },
-        quality: arguments.quality,
+        quality: arguments.tree.quality,
         components: components.iter().map(|(kind, n)| (kind.name(), *n)).collect(),
         stems: &census.stems,
         segments: census.segments,
@@ -72,6 +77,7 @@ pub(super) fn json(summary: &Summary, arguments: &TreeArguments) -> String {
                 seconds: seconds(phase),
             })
             .collect(),
+        picture: picture.as_ref().map(TollDocument::from),
     };
     serde_json::to_string(&document).expect("texts and finite numbers are JSON")
 }

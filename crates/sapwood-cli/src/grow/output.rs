@@ -1,14 +1,17 @@
 //! Output files: what is written follows from how their names end.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use sapwood::graph::DrawList;
 use sapwood::io::FileSet;
 
-const ACCEPTED: &str = "accepted: names that end in .glb, .gltf, .obj or .svg";
+use crate::picture;
 
-/// A file to be written.
+const ACCEPTED: &str = "accepted: names that end in .glb, .gltf, .obj, .svg or .png";
+
+/// A file to be written, or several where a picture is turned.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Output {
     path: PathBuf,
@@ -18,6 +21,15 @@ pub(crate) struct Output {
 /// What a file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Format {
+    /// What is drawn.
+    List(ListFormat),
+    /// A picture of it.
+    Png,
+}
+
+/// How a file holds what is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ListFormat {
     /// Surfaces and leaves as binary glTF.
     Glb,
     /// Surfaces and leaves as glTF text, with a `.bin` file.
@@ -39,35 +51,19 @@ impl Output {
 
     /// Whether the format has nothing but surfaces.
     pub(crate) fn needs_surfaces(&self) -> bool {
-        match self.format {
-            Format::Glb | Format::Gltf => true,
-            Format::Obj | Format::Svg => false,
-        }
-    }
-
-    /// Adds the file, and those that belong to it, to `files`; tells their size in bytes.
-    pub(crate) fn write(
-        &self,
-        files: &mut FileSet,
-        list: &DrawList,
-    ) -> Result<u64, sapwood::io::Error> {
-        let n_before = files.written().count();
-        match self.format {
-            Format::Glb => files.add_glb(&self.path, list)?,
-            Format::Gltf => files.add_gltf(&self.path, list)?,
-            Format::Obj => files.add_obj(&self.path, list)?,
-            Format::Svg => files.add_svg(&self.path, list)?,
-        }
-        Ok(files.written().skip(n_before).map(|(_, bytes)| bytes).sum())
+        matches!(self.format, Format::List(ListFormat::Glb | ListFormat::Gltf))
     }
 
     /// The files that may be written, the output itself first. Of images the first stands for
     /// all: outputs that share one share that too.
-    fn claims(&self) -> Vec<PathBuf> {
+    fn claims(&self, turns: Option<u32>) -> Vec<PathBuf> {
         let beside = match self.format {
-            Format::Glb | Format::Svg => Vec::new(),
-            Format::Gltf => vec![sapwood::io::gltf_buffer_path(&self.path)],
-            Format::Obj => vec![
+            Format::Png => {
+                return picture::names(&self.path, turns).map(|path| resolved(&path)).collect();
+            }
+            Format::List(ListFormat::Glb | ListFormat::Svg) => Vec::new(),
+            Format::List(ListFormat::Gltf) => vec![sapwood::io::gltf_buffer_path(&self.path)],
+            Format::List(ListFormat::Obj) => vec![
                 sapwood::io::obj_material_path(&self.path),
                 sapwood::io::obj_image_path(&self.path, 1),
             ],
@@ -76,15 +72,34 @@ impl Output {
     }
 }
 
+impl ListFormat {
+    /// Adds the file, and those that belong to it, to `files`; tells their size in bytes.
+    pub(crate) fn write(
+        self,
+        path: &Path,
+        files: &mut FileSet,
+        list: &DrawList,
+    ) -> Result<u64, sapwood::io::Error> {
+        let n_before = files.written().count();
+        match self {
+            Self::Glb => files.add_glb(path, list)?,
+            Self::Gltf => files.add_gltf(path, list)?,
+            Self::Obj => files.add_obj(path, list)?,
+            Self::Svg => files.add_svg(path, list)?,
+        }
+        Ok(files.written().skip(n_before).map(|(_, bytes)| bytes).sum())
+    }
+}
+
 /// The first two outputs that would write to the same file, and that file.
-pub(crate) fn clash(outputs: &[Output]) -> Option<(&Output, &Output, PathBuf)> {
-    let mut claimed: Vec<(PathBuf, &Output)> = Vec::new();
+pub(crate) fn clash(outputs: &[Output], turns: Option<u32>) -> Option<(&Output, &Output, PathBuf)> {
+    let mut claimed: BTreeMap<PathBuf, &Output> = BTreeMap::new();
     for output in outputs {
-        for path in output.claims() {
-            if let Some((path, first)) = claimed.iter().find(|(known, _)| *known == path) {
-                return Some((first, output, path.clone()));
+        for path in output.claims(turns) {
+            if let Some(first) = claimed.get(&path) {
+                return Some((first, output, path));
             }
-            claimed.push((path, output));
+            claimed.insert(path, output);
         }
     }
     None
@@ -112,10 +127,11 @@ impl FromStr for Output {
         let path = PathBuf::from(path);
         let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
         let format = match ending.as_ref().and_then(|ending| ending.to_str()) {
-            Some("glb") => Format::Glb,
-            Some("gltf") => Format::Gltf,
-            Some("obj") => Format::Obj,
-            Some("svg") => Format::Svg,
+            Some("glb") => Format::List(ListFormat::Glb),
+            Some("gltf") => Format::List(ListFormat::Gltf),
+            Some("obj") => Format::List(ListFormat::Obj),
+            Some("svg") => Format::List(ListFormat::Svg),
+            Some("png") => Format::Png,
             _ => return Err(ACCEPTED.to_owned()),
         };
         Ok(Self { path, format })
@@ -129,11 +145,12 @@ mod tests {
     #[test]
     fn the_ending_decides() {
         let format = |path: &str| path.parse::<Output>().map(|output| output.format);
-        assert_eq!(format("a/b.glb"), Ok(Format::Glb));
-        assert_eq!(format("TREE.GLB"), Ok(Format::Glb));
-        assert_eq!(format("tree.v2.svg"), Ok(Format::Svg));
-        assert_eq!(format("tree.obj"), Ok(Format::Obj));
-        assert_eq!(format("tree.gltf"), Ok(Format::Gltf));
+        assert_eq!(format("a/b.glb"), Ok(Format::List(ListFormat::Glb)));
+        assert_eq!(format("TREE.GLB"), Ok(Format::List(ListFormat::Glb)));
+        assert_eq!(format("tree.v2.svg"), Ok(Format::List(ListFormat::Svg)));
+        assert_eq!(format("tree.obj"), Ok(Format::List(ListFormat::Obj)));
+        assert_eq!(format("tree.gltf"), Ok(Format::List(ListFormat::Gltf)));
+        assert_eq!(format("tree.Png"), Ok(Format::Png));
         for wrong in ["", "tree", "tree.ply", ".glb", "glb", "tree.glb/", "/dev/null"] {
             let accepted = wrong == "tree.glb/";
             assert_eq!(format(wrong).is_ok(), accepted, "{wrong}");
@@ -148,23 +165,28 @@ mod tests {
         std::fs::write(at("b-1.png"), "old").unwrap();
         std::os::unix::fs::symlink(at("b-1.png"), at("a-1.png")).unwrap();
         let outputs = ["a.obj", "b.obj"].map(|name| at(name).to_str().unwrap().parse().unwrap());
-        let (_, _, file) = clash(&outputs).unwrap();
+        let (_, _, file) = clash(&outputs, None).unwrap();
         assert!(file.ends_with("b-1.png"), "{file:?}");
     }
 
     #[test]
     fn outputs_clash_by_all_their_files() {
-        let check = |paths: [&str; 2], expected: Option<&str>| {
+        let turned = |paths: [&str; 2], turns, expected: Option<&str>| {
             let outputs = paths.map(|path| path.parse().unwrap());
-            let clash = clash(&outputs).map(|(_, _, path)| path);
+            let clash = clash(&outputs, turns).map(|(_, _, path)| path);
             let name = clash.as_ref().and_then(|path| path.file_name()?.to_str());
             assert_eq!(name, expected, "{paths:?}");
         };
+        let check = |paths, expected| turned(paths, None, expected);
         check(["a.glb", "./a.glb"], Some("a.glb"));
         check(["a.glb", "no-such-folder/a.glb"], None);
         check(["a.gltf", "a.GLTF"], Some("a.bin"));
         check(["a.obj", "src/../a.obj"], Some("a.obj"));
         check(["a b.obj", "a_b.obj"], Some("a_b.mtl"));
         check(["a.glb", "a.obj"], None);
+        check(["a.png", "a-001.png"], None);
+        check(["a.png", "./a.png"], Some("a.png"));
+        turned(["a.png", "a.PNG"], Some(2), None);
+        turned(["a.png", "./a.png"], Some(2), Some("a-000.png"));
     }
 }

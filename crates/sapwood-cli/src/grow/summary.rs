@@ -8,6 +8,8 @@ use sapwood::graph::{Everything, Handlers, Kind, Order};
 use sapwood::rules::weber_penn::{Leaf, Segment, Stem};
 use sapwood::scene::{Scene, ViewError, ViewId};
 
+use crate::picture::Toll;
+
 /// Numbers of parts.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Census {
@@ -59,6 +61,8 @@ pub(crate) struct Summary {
     pub(crate) surfaces: Option<(u64, u64)>,
     pub(crate) bounds: Aabb,
     pub(crate) phases: Vec<Phase>,
+    /// What pictures took, if there are any.
+    pub(crate) picture: Option<Toll>,
 }
 
 impl Summary {
@@ -72,6 +76,9 @@ impl Summary {
             rows.push(("leaves".to_owned(), *leaves));
             rows.push(("vertices".to_owned(), vertices));
             rows.push(("triangles".to_owned(), triangles));
+        }
+        if let Some(toll) = &self.picture {
+            rows.push(("rays".to_owned(), toll.n_rays()));
         }
         rows.into_iter().map(|(name, n)| (name, grouped(n))).collect()
     }
@@ -123,7 +130,7 @@ fn metres(x: f32) -> String {
 }
 
 /// A number with its thousands apart.
-fn grouped(n: u64) -> String {
+pub(crate) fn grouped(n: u64) -> String {
     let digits = n.to_string();
     let mut text = String::new();
     for (i, digit) in digits.chars().enumerate() {
@@ -136,7 +143,7 @@ fn grouped(n: u64) -> String {
 }
 
 /// A file's size in the unit that suits it.
-fn size(bytes: u64) -> String {
+pub(crate) fn size(bytes: u64) -> String {
     match bytes {
         0..1_000 => format!("{bytes} B"),
         1_000..1_000_000 => format!("{:.1} kB", bytes as f64 / 1e3),
@@ -167,6 +174,7 @@ mod tests {
                 phase("read", 120, None),
                 phase("quaking_aspen.glb", 25_000, Some(12_345_678)),
             ],
+            picture: None,
         }
     }
 
