@@ -6,6 +6,7 @@ mod edits;
 mod errors;
 mod events;
 mod explain;
+mod images;
 mod ingredients;
 mod kinds;
 mod moving;

@@ -159,9 +159,11 @@ fn an_edit_of_the_flare_compiles_the_trunks_surface_only() {
 #[test]
 fn an_edit_of_the_bark_compiles_surfaces_only() {
     let mut tree = grown(&built_in("quaking_aspen"), 1);
-    tree.scene.push::<BarkSlot>(tree.family, Material::matte("pale", 0.7, 0.7, 0.6)).unwrap();
+    tree.scene.push::<BarkSlot>(tree.family, Some(Material::matte("pale", 0.7, 0.7, 0.6))).unwrap();
     assert_eq!(tree.compiled(), [("attribute", 1), ("stem_surface", 101)]);
-    tree.scene.push::<FoliageSlot>(tree.family, Material::matte("gold", 0.6, 0.4, 0.0)).unwrap();
+    tree.scene
+        .push::<FoliageSlot>(tree.family, Some(Material::matte("gold", 0.6, 0.4, 0.0)))
+        .unwrap();
     assert_eq!(tree.compiled(), [("attribute", 1), ("leaves", 50)]);
     let detail = Detail { ..Detail::default() };
     tree.scene.push::<DetailSlot>(tree.family, detail).unwrap();

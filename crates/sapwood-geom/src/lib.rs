@@ -38,7 +38,7 @@ pub use section::Section;
 #[cfg(feature = "simplify")]
 pub use simplify::Simplify;
 pub use stream::{Purpose, Stream, StreamPath};
-pub use sweep::{Cap, Ring, Sweep, SweepOptions, SweepStart};
+pub use sweep::{Around, Cap, Ring, Sweep, SweepOptions, SweepStart};
 
 /// The maths library in the version that Sapwood is built with.
 pub use glam;

@@ -39,6 +39,8 @@ pub struct SweepStart {
     pub x: Vec3,
     /// Unit normal of the first ring's plane; none takes the direction to the second ring.
     pub tangent: Option<Vec3>,
+    /// Texture coordinate `u` of the section's first point.
+    pub u: f32,
     /// Texture coordinate `v` of the first ring.
     pub v: f32,
 }
@@ -46,7 +48,7 @@ pub struct SweepStart {
 impl SweepStart {
     /// A start of its own, whose section's first point lies toward `x`.
     pub fn toward(x: Vec3) -> Self {
-        Self { x, tangent: None, v: 0.0 }
+        Self { x, tangent: None, u: 0.0, v: 0.0 }
     }
 }
 
@@ -55,11 +57,11 @@ impl SweepStart {
 pub struct SweepOptions {
     /// The first ring's frame.
     pub start: SweepStart,
-    /// How often the texture repeats around the tube.
+    /// How the texture goes around the tube.
     ///
-    /// Along the tube it repeats as often as keeps its proportions, so more often where the tube
-    /// is thin; `v` falls from the base to the tip, so that the image stands upright.
-    pub repeats: u32,
+    /// Along the tube it repeats as often as keeps its proportions, so more often where the same
+    /// number of repeats goes round a thinner tube; `v` falls from the base to the tip, so that the image stands upright.
+    pub around: Around,
     /// How the first ring is shut; a round cap there is drawn flat.
     pub base: Cap,
     /// How the last ring is shut.
@@ -68,7 +70,32 @@ pub struct SweepOptions {
 
 impl Default for SweepOptions {
     fn default() -> Self {
-        Self { start: SweepStart::toward(Vec3::X), repeats: 1, base: Cap::Open, tip: Cap::Flat }
+        let start = SweepStart::toward(Vec3::X);
+        Self { start, around: Around::Repeats(1), base: Cap::Open, tip: Cap::Flat }
+    }
+}
+
+/// How a texture goes around a tube. Either way it closes without a seam, if it tiles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Around {
+    /// So many times, at least once, however thick the tube is.
+    Repeats(u32),
+    /// As much of it as the way around is long, the texture being so many metres wide: half of
+    /// that to the far side, and the same mirrored back. For tubes so thin that a whole texture
+    /// would be squeezed; it keeps its size where the tube tapers.
+    Mirrored {
+        /// The texture's width in metres.
+        width: f32,
+    },
+}
+
+impl Around {
+    /// How many widths of the texture the way around a ring of this radius is long.
+    fn widths(self, radius: f32) -> f32 {
+        match self {
+            Self::Repeats(n) => n.max(1) as f32,
+            Self::Mirrored { width } => std::f32::consts::TAU * radius / width.max(1e-6),
+        }
     }
 }
 
@@ -103,14 +130,22 @@ impl Laid {
 ///
 /// A tube is laid first (frames, number of triangles) and written then, so that a caller can
 /// refuse it in between.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Sweep {
     laid: Vec<Laid>,
     /// For each ring given, its row in `laid`.
     rows: Vec<u32>,
-    repeats: u32,
+    around: Around,
+    u: f32,
     base: Cap,
     tip: Cap,
+}
+
+impl Default for Sweep {
+    fn default() -> Self {
+        let SweepOptions { start, around, base, tip } = SweepOptions::default();
+        Self { laid: Vec::new(), rows: Vec::new(), around, u: start.u, base, tip }
+    }
 }
 
 /// Metres that `f32` cannot tell apart, for each metre from the origin.
@@ -128,7 +163,8 @@ impl Sweep {
     /// left out. Points are rings below 1e-6 m, or so thin against their distance from the origin
     /// or from the next ring that `f32` could not tell their vertices apart.
     pub fn lay(&mut self, section: &Section, rings: &[Ring], options: &SweepOptions) -> usize {
-        self.repeats = options.repeats.max(1);
+        self.around = options.around;
+        self.u = options.start.u;
         self.base = options.base;
         self.tip = options.tip;
         self.laid.clear();
@@ -149,7 +185,7 @@ impl Sweep {
     /// nothing if there is no such ring.
     pub fn start_at(&self, ring: usize) -> Option<SweepStart> {
         let laid = self.laid.get(*self.rows.get(ring)? as usize)?;
-        Some(SweepStart { x: laid.x, tangent: Some(laid.tangent), v: laid.v })
+        Some(SweepStart { x: laid.x, tangent: Some(laid.tangent), u: self.u, v: laid.v })
     }
 
     /// Keeps a ring unless it coincides with the one kept last, and works out the stretch
@@ -224,8 +260,13 @@ impl Sweep {
             };
             x = sharpen(carry(carry(x, tangent, before.onward), before.onward, next), next);
             tangent = next;
-            let around = std::f32::consts::PI * (before.radius + laid.radius);
-            v -= before.length * self.repeats as f32 / around.max(1e-6);
+            v -= match self.around {
+                Around::Repeats(n) => {
+                    let around = std::f32::consts::PI * (before.radius + laid.radius);
+                    before.length * n.max(1) as f32 / around.max(1e-6)
+                }
+                Around::Mirrored { width } => before.length / width.max(1e-6),
+            };
             (laid.tangent, laid.x, laid.v) = (tangent, x, v);
             laid.is_point = laid.is_thin(laid.length.max(before.length));
             before = *laid;

@@ -90,6 +90,21 @@ impl BarkKind {
         }
     }
 
+    /// What such bark often looks like: its linear outer colour, and that of what lies deep.
+    pub fn colors(self) -> [[f32; 3]; 2] {
+        match self {
+            Self::Smooth => [[0.19, 0.16, 0.13], [0.05, 0.04, 0.03]],
+            Self::Lenticels => [[0.72, 0.7, 0.65], [0.03, 0.026, 0.022]],
+            Self::Eyed => [[0.6, 0.59, 0.48], [0.03, 0.028, 0.024]],
+            Self::Furrowed => [[0.2, 0.15, 0.11], [0.035, 0.025, 0.02]],
+            Self::Blocky => [[0.21, 0.18, 0.155], [0.03, 0.025, 0.02]],
+            Self::Plates => [[0.26, 0.155, 0.1], [0.04, 0.025, 0.018]],
+            Self::Ringed => [[0.28, 0.235, 0.18], [0.06, 0.045, 0.032]],
+            Self::Culm => [[0.2, 0.31, 0.07], [0.09, 0.08, 0.035]],
+            Self::Stalk => [[0.5, 0.38, 0.14], [0.28, 0.19, 0.06]],
+        }
+    }
+
     /// The depth that suits a patch of half a metre, as a share of its width.
     pub fn depth(self) -> f32 {
         match self {
@@ -110,24 +125,17 @@ impl Content for BarkKind {
 }
 
 impl Default for BarkImage {
-    /// Furrowed, brown, 256 pixels square.
+    /// Furrowed, 256 pixels square.
     fn default() -> Self {
         Self::new(BarkKind::default())
     }
 }
 
 impl BarkImage {
-    /// Brown bark of this kind, as deep as suits it, 256 pixels square.
+    /// Bark of this kind with its usual colours and depth, 256 pixels square.
     pub fn new(kind: BarkKind) -> Self {
-        Self {
-            kind,
-            color: [0.2, 0.15, 0.11],
-            deep_color: [0.04, 0.028, 0.02],
-            depth: kind.depth(),
-            scale: 1.0,
-            size: 256,
-            seed: 0,
-        }
+        let [color, deep_color] = kind.colors();
+        Self { kind, color, deep_color, depth: kind.depth(), scale: 1.0, size: 256, seed: 0 }
     }
 
     /// What is wrong with the patch, in words, or nothing.

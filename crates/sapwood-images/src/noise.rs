@@ -60,6 +60,11 @@ impl NoiseImage {
             .or_else(|| color::fault("high", &self.high))
     }
 
+    /// The same noise from black to white.
+    pub(crate) fn grey(&self) -> Self {
+        Self { low: [0.0; 3], high: [1.0; 3], ..self.clone() }
+    }
+
     /// The noise as numbers, most of them between 0 and 1.
     pub(crate) fn shares(&self) -> Field {
         let mut stream = Stream::new(StreamPath::new(self.seed), Purpose("noise"));

@@ -1,19 +1,26 @@
-//! The rules that compile images. None of them draws anything: what they make is their data.
+//! The rules that compile images. What they make is their data, for whoever asks for it as an
+//! ingredient; none of them draws anything.
+
+use std::sync::Arc;
 
 use sapwood_geom::{Image, Shared};
-use sapwood_graph::MaterialImages;
-use sapwood_scene::{Context, Rule, RuleError, RuleSet};
+use sapwood_graph::{Material, MaterialImages};
+use sapwood_scene::{Context, MaterialSlot, Rule, RuleError, RuleSet};
 
-use crate::{BarkImage, LeafImage, NoiseImage};
+use crate::{BarkImage, LeafImage, NoiseImage, Over, Paint, Painted, PaintedMaterial, RampImage};
 
 /// The rules for all images.
 pub fn rules() -> RuleSet {
     RuleSet::new()
         // patterns
         .with(NoiseRule)
+        .with(RampRule)
         // parts of trees
         .with(BarkRule)
         .with(LeafRule)
+        // what they are for
+        .with(PaintedMaterialRule)
+        .with(PaintedRule)
 }
 
 /// Fails with what is wrong with a component, and stops where the caller asked to.
@@ -32,6 +39,26 @@ impl Rule for NoiseRule {
     fn init(&self, noise: &NoiseImage, cx: &mut Context<'_>) -> Result<Shared<Image>, RuleError> {
         begin(noise.fault(), cx)?;
         Ok(noise.image())
+    }
+}
+
+struct RampRule;
+
+impl Rule for RampRule {
+    type Component = RampImage;
+    type Data = Shared<Image>;
+    const NAME: &'static str = "images.ramp";
+
+    fn init(&self, ramp: &RampImage, cx: &mut Context<'_>) -> Result<Shared<Image>, RuleError> {
+        begin(ramp.fault(), cx)?;
+        match &ramp.over {
+            // Ramps over the same noise share it, whatever colours it was given.
+            Over::Noise(noise) => {
+                let grey = cx.ingredient::<Shared<Image>>(noise.grey())?;
+                Ok(ramp.image_over(grey))
+            }
+            Over::Across(_) | Over::Down(_) => Ok(ramp.image()),
+        }
     }
 }
 
@@ -58,5 +85,54 @@ impl Rule for LeafRule {
     fn init(&self, leaf: &LeafImage, cx: &mut Context<'_>) -> Result<MaterialImages, RuleError> {
         begin(leaf.fault(), cx)?;
         Ok(leaf.images())
+    }
+}
+
+struct PaintedMaterialRule;
+
+impl Rule for PaintedMaterialRule {
+    type Component = PaintedMaterial;
+    type Data = Arc<Material>;
+    const NAME: &'static str = "images.painted_material";
+
+    fn init(
+        &self,
+        painted: &PaintedMaterial,
+        cx: &mut Context<'_>,
+    ) -> Result<Arc<Material>, RuleError> {
+        begin(painted.material.fault(), cx)?;
+        let only = |image: &Shared<Image>| MaterialImages {
+            base_color: Some(image.clone()),
+            ..MaterialImages::default()
+        };
+        let images = match &painted.paint {
+            Paint::Noise(noise) => only(cx.ingredient(noise.clone())?),
+            Paint::Ramp(ramp) => only(cx.ingredient(ramp.clone())?),
+            Paint::Bark(bark) => cx.ingredient::<MaterialImages>(bark.clone())?.clone(),
+            Paint::Leaf(leaf) => cx.ingredient::<MaterialImages>(leaf.clone())?.clone(),
+        };
+        let mut material = painted.material.clone();
+        let own = material.images;
+        material.images = MaterialImages {
+            base_color: images.base_color.or(own.base_color),
+            metallic_roughness: images.metallic_roughness.or(own.metallic_roughness),
+            normal: images.normal.or(own.normal),
+            emissive: images.emissive.or(own.emissive),
+        };
+        Ok(Arc::new(material))
+    }
+}
+
+struct PaintedRule;
+
+impl Rule for PaintedRule {
+    type Component = Painted;
+    type Data = ();
+    const NAME: &'static str = "images.painted";
+
+    fn init(&self, painted: &Painted, cx: &mut Context<'_>) -> Result<(), RuleError> {
+        let material = cx.ingredient::<Arc<Material>>(painted.0.clone())?;
+        cx.push::<MaterialSlot>(Material::clone(material), |cx| cx.children());
+        Ok(())
     }
 }

@@ -209,7 +209,8 @@ fn lobes_stand_where_the_first_ring_says() {
 #[test]
 fn the_texture_closes_around_and_keeps_its_proportions() {
     let tube = rings([(Vec3::ZERO, 1.0), (Vec3::Z, 1.0), (Vec3::Z * 2.0, 0.5)]);
-    let options = SweepOptions { repeats: 3, tip: Cap::Open, ..SweepOptions::default() };
+    let options =
+        SweepOptions { around: Around::Repeats(3), tip: Cap::Open, ..SweepOptions::default() };
     let mesh = swept(&Section::round(6), &tube, &options);
     for ring in 0..3 {
         let (first, last) = (ring * 7, ring * 7 + 6);
@@ -219,6 +220,26 @@ fn the_texture_closes_around_and_keeps_its_proportions() {
     let tile = TAU / 3.0;
     assert!((mesh.uvs[7].y + 1.0 / tile).abs() < 1e-5);
     assert!((mesh.uvs[14].y - mesh.uvs[7].y + 1.0 / (0.75 * tile)).abs() < 1e-5);
+}
+
+#[test]
+fn a_mirrored_texture_closes_around_and_keeps_its_size() {
+    let tube = rings([(Vec3::ZERO, 0.02), (Vec3::Z, 0.02), (Vec3::Z * 2.0, 0.01)]);
+    let start = SweepStart { u: 0.3, v: 5.0, ..SweepStart::toward(Vec3::X) };
+    let around = Around::Mirrored { width: 0.5 };
+    let options = SweepOptions { start, around, tip: Cap::Open, ..SweepOptions::default() };
+    let mesh = swept(&Section::round(6), &tube, &options);
+    for (ring, radius) in [0.02, 0.02, 0.01].into_iter().enumerate() {
+        let uvs = &mesh.uvs[7 * ring..7 * ring + 7];
+        assert_eq!(uvs[0], uvs[6]);
+        assert_eq!(uvs[1], uvs[5]);
+        let far = 0.3 + 0.5 * TAU * radius / 0.5;
+        assert!((uvs[3].x - far).abs() < 1e-6 && uvs[0].x == 0.3, "{uvs:?}");
+        assert!((uvs[0].y - (5.0 - 2.0 * ring as f32)).abs() < 1e-5, "{uvs:?}");
+    }
+    let mesh = swept(&Section::round(3), &tube, &options);
+    let us: Vec<f32> = mesh.uvs[..4].iter().map(|uv| uv.x).collect();
+    assert!(us[0] == us[3] && us[1] > us[2] && us[2] > us[0], "no side has one u: {us:?}");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use glam::Vec2;
 
-use super::{Cap, Laid, Sweep};
+use super::{Around, Cap, Laid, Sweep};
 use crate::{Mesh, Section};
 
 impl Sweep {
@@ -89,8 +89,20 @@ impl Sweep {
             let (nx, ny) = (x * slope.x, y * slope.x);
             mesh.normals.extend(section.normals.iter().map(|n| nx * n.x + ny * n.y + along));
         }
-        let repeats = self.repeats as f32;
-        mesh.uvs.extend(section.around.iter().map(|u| Vec2::new(u * repeats, v)));
+        let widths = self.around.widths(radius);
+        match self.around {
+            Around::Repeats(_) => {
+                mesh.uvs.extend(section.around.iter().map(|u| Vec2::new(self.u + u * widths, v)));
+            }
+            Around::Mirrored { .. } => {
+                // There and back between vertices, so that no side has one `u` throughout.
+                let sides = section.n_sides();
+                let far = (sides / 2) as f32 / sides as f32;
+                let (there, back) = (0.5 * widths / far, 0.5 * widths / (1.0 - far));
+                let u = |share: &f32| self.u + (share * there).min((1.0 - share) * back);
+                mesh.uvs.extend(section.around.iter().map(|share| Vec2::new(u(share), v)));
+            }
+        }
     }
 
     /// Writes one vertex for each side at a point, so that every triangle has its own normal and
@@ -101,8 +113,12 @@ impl Sweep {
         let (nx, ny, along) = (laid.x * slope.x, y * slope.x, laid.tangent * slope.y);
         mesh.positions.extend(std::iter::repeat_n(laid.center, sides));
         mesh.normals.extend(section.middles.iter().map(|n| nx * n.x + ny * n.y + along));
-        let step = self.repeats as f32 / sides as f32;
-        mesh.uvs.extend((0..sides).map(|k| Vec2::new((k as f32 + 0.5) * step, laid.v)));
+        let u = |k: usize| match self.around {
+            Around::Repeats(n) => (k as f32 + 0.5) * (n.max(1) as f32 / sides as f32),
+            // There is no way around a point.
+            Around::Mirrored { .. } => 0.0,
+        };
+        mesh.uvs.extend((0..sides).map(|k| Vec2::new(self.u + u(k), laid.v)));
     }
 
     /// Writes a flat disc that faces along the tangent times `way`.
@@ -112,7 +128,7 @@ impl Sweep {
         let y = laid.tangent.cross(laid.x);
         let (px, py) = (laid.x * laid.radius, y * laid.radius);
         // As many texels to the metre as on the ring's rim.
-        let scale = self.repeats as f32 / std::f32::consts::TAU;
+        let scale = self.around.widths(laid.radius) / std::f32::consts::TAU;
         mesh.positions.push(laid.center);
         mesh.uvs.push(Vec2::splat(0.5));
         for p in &section.points[..sides as usize] {

@@ -12,6 +12,7 @@
 mod components;
 mod geometry;
 mod growth;
+mod look;
 mod params;
 mod rules;
 mod slots;
@@ -20,17 +21,19 @@ mod species;
 mod tests;
 
 pub use components::{Branch, Children, Leaves, Seed, StemSurface, Tree, Twigs};
-pub use geometry::{Detail, leaf_mesh, surface};
+pub use geometry::{Detail, leaf_card, leaf_mesh, surface};
 pub use growth::{
     Frame, Leaf, Segment, Stem, StemSeed, Stems, children, foreseen, grow, leaves, trunks,
 };
+pub use look::{BarkLook, LeafLook};
 pub use params::{Crown, Envelope, LeafParams, Level, TrunkForm};
 pub use rules::{full, skeleton};
 pub use slots::{
-    BarkSlot, CrownSlot, DetailSlot, FoliageSlot, LeafTargetSlot, LeavesSlot, LevelSlot,
-    StemTargetSlot, TrunkFormSlot,
+    BarkLookSlot, BarkSlot, CrownSlot, DetailSlot, FoliageSlot, LeafLookSlot, LeafTargetSlot,
+    LeavesSlot, LevelSlot, StemTargetSlot, TrunkFormSlot,
 };
 pub use species::{
-    Accepted, CrownShape, Dialect, Fault, Key, LeafShape, LeafTarget, LeavesSpec, LevelSpec,
-    Origin, PruningSpec, Species, Target, TreeGenExt, TrunkSpec, Value, Variation, key, keys,
+    Accepted, BarkSpec, CrownShape, Dialect, Fault, Key, LeafShape, LeafTarget, LeavesSpec,
+    LevelSpec, Origin, PruningSpec, Species, Target, TreeGenExt, TrunkSpec, Value, Variation, key,
+    keys,
 };

@@ -9,7 +9,8 @@ mod structure;
 
 use sapwood_scene::RuleSet;
 
-/// Trees with all their geometry.
+/// Trees with all their geometry; their materials are painted with images, whose rules must lie
+/// below ([`sapwood_images::rules`]).
 pub fn full() -> RuleSet {
     RuleSet::new()
         // structure: what grows where

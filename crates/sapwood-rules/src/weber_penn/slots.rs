@@ -1,12 +1,14 @@
 //! The held slots by which species values reach the rules.
 //!
-//! One slot for each level, one for the leaves, one for the trunk's surface and one for what
-//! holds for the whole tree: an edit of one leaves whoever reads the others alone.
+//! One slot for each level, one for the leaves, one for the trunk's surface, one each for the look
+//! of bark and leaves and one for what holds for the whole tree: an edit of one leaves whoever reads the others alone.
 
 use sapwood_graph::Material;
 use sapwood_scene::{Attribute, Held, Slot};
 
-use super::{Crown, Detail, LeafParams, LeafTarget, Level, Species, Target, TrunkForm};
+use super::{
+    BarkLook, Crown, Detail, LeafLook, LeafParams, LeafTarget, Level, Species, Target, TrunkForm,
+};
 
 macro_rules! slot {
     ($(#[$doc:meta])* $slot:ident: $value:ty = $name:literal, $default:expr) => {
@@ -43,16 +45,21 @@ slot! {
     DetailSlot: Detail = "weber_penn.detail", Detail::default()
 }
 slot! {
-    /// The look of stems.
-    BarkSlot: Material = "weber_penn.bark", Material::matte("bark", 0.16, 0.105, 0.07)
+    /// The bark of the species, of which the rules make the material of stems.
+    BarkLookSlot: BarkLook = "weber_penn.bark_look", BarkLook::new(&Species::default())
 }
 slot! {
-    /// The look of leaves.
-    FoliageSlot: Material = "weber_penn.foliage", Material {
-        double_sided: true,
-        roughness: 0.8,
-        ..Material::matte("leaf", 0.09, 0.2, 0.035)
-    }
+    /// The leaves of the species, of which the rules make their material.
+    LeafLookSlot: LeafLook = "weber_penn.leaf_look", LeafLook::new(&Species::default())
+}
+slot! {
+    /// The material of stems instead of the species' own.
+    BarkSlot: Option<Material> = "weber_penn.bark", None
+}
+slot! {
+    /// The material of leaves instead of the species' own. Leaves have the outline of their shape
+    /// then, for nothing is known of the material's images.
+    FoliageSlot: Option<Material> = "weber_penn.foliage", None
 }
 slot! {
     /// What stems turn toward, in tree space; set by the tree's own rule.
@@ -101,5 +108,7 @@ impl Species {
         attribute.set::<LevelSlot<2>>(level_2);
         attribute.set::<LevelSlot<3>>(level_3);
         attribute.set::<LeavesSlot>(LeafParams::new(self));
+        attribute.set::<BarkLookSlot>(BarkLook::new(self));
+        attribute.set::<LeafLookSlot>(LeafLook::new(self));
     }
 }

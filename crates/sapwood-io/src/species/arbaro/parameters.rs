@@ -111,7 +111,9 @@ mod tests {
             ["name", "origin", "defaulted", "notes", "dialect", "variation", "attraction_target"]
                 .contains(&name)
                 || ["z_scale", "z_scale_v", "leaves.attraction", "leaves.target"].contains(&name)
-                || name.starts_with("ext.")
+                || ["leaves.outline", "leaves.color", "leaves.vein_color", "leaves.translucency"]
+                    .contains(&name)
+                || ["bark.", "ext."].iter().any(|table| name.starts_with(table))
         };
         let known: Vec<_> = keys().collect();
         for key in model::keys() {

@@ -1,8 +1,11 @@
 //! From grown stems and leaves to meshes.
 
+mod leaf_card;
 mod leaf_shape;
 mod ring_places;
 mod surface;
 
+pub(crate) use leaf_card::half_width;
+pub use leaf_card::leaf_card;
 pub use leaf_shape::leaf_mesh;
 pub use surface::{Detail, surface};

@@ -1,7 +1,8 @@
 //! The surface of grown stems: where rings stand, how many sides they have, and how the tubes of
 //! clones continue the one they split from. Sweeping rings into triangles is geometry's work.
 
-use sapwood_geom::{Cap, Mesh, Ring, Section, Sweep, SweepOptions, SweepStart, content};
+use glam::Vec3;
+use sapwood_geom::{Around, Cap, Mesh, Ring, Section, Sweep, SweepOptions, SweepStart, content};
 
 use super::ring_places::find_places;
 use crate::weber_penn::{Segment, Stem, Stems, TrunkForm};
@@ -20,14 +21,14 @@ pub struct Detail {
     pub ends: f32,
     /// Share of the leaves that are drawn; fewer are larger, so that they cover as much.
     pub leaves: f32,
-    /// Width in metres that one repeat of the bark's texture should have; each stem takes the
-    /// whole number of repeats that comes nearest, at least 1.
-    pub bark_width: f32,
+    /// Pixels along the edges of the images of bark and leaves, 1 to
+    /// [`LARGEST_IMAGE`](sapwood_images::LARGEST_IMAGE).
+    pub image_size: u32,
     /// Whether trunks are closed at the foot; all other stems begin inside their parent.
     pub closed_foot: bool,
 }
 
-content!(Detail { smooth, sides, rings, ends, leaves, bark_width, closed_foot });
+content!(Detail { smooth, sides, rings, ends, leaves, image_size, closed_foot });
 
 impl Default for Detail {
     fn default() -> Self {
@@ -37,7 +38,7 @@ impl Default for Detail {
             rings: 1.0,
             ends: 1.0,
             leaves: 1.0,
-            bark_width: 0.5,
+            image_size: 256,
             closed_foot: true,
         }
     }
@@ -46,7 +47,15 @@ impl Default for Detail {
 impl Detail {
     /// A tree still to be recognised, in about a quarter of the triangles.
     pub fn draft() -> Self {
-        Self { smooth: 0.0, sides: 0.5, rings: 0.25, ends: 0.0, leaves: 0.25, ..Self::default() }
+        Self {
+            smooth: 0.0,
+            sides: 0.5,
+            rings: 0.25,
+            ends: 0.0,
+            leaves: 0.25,
+            image_size: 64,
+            ..Self::default()
+        }
     }
 
     /// Sides of the cross-section of a stem of this level and base radius in metres: by level
@@ -92,14 +101,19 @@ impl Detail {
 /// stem is `charge`d with its number of triangles before any of them is made; the first refusal
 /// ends the work and is returned. The radius is the taper's, for trunks times the factors of
 /// `form` and around the stem its lobes.
+///
+/// `bark_width` is the width in metres of one repeat of the bark's texture. A stem takes the whole
+/// number of repeats around that comes nearest at its base, and keeps it; a stem too thin for
+/// one takes as much as fits, mirrored. No two stems begin at the same place of the texture.
 pub fn surface<E>(
     stems: &Stems,
     form: &TrunkForm,
     detail: &Detail,
+    bark_width: f32,
     mut charge: impl FnMut(usize) -> Result<(), E>,
 ) -> Result<Mesh, E> {
     let mut mesh = Mesh::default();
-    let mut tubes = Tubes::new(stems, form, detail);
+    let mut tubes = Tubes::new(stems, form, detail, bark_width);
     tubes.reserve(&mut mesh);
     for index in 0..stems.stems.len() {
         charge(tubes.lay(index))?;
@@ -126,6 +140,7 @@ struct Tubes<'a> {
     stems: &'a Stems,
     form: &'a TrunkForm,
     detail: &'a Detail,
+    bark_width: f32,
     sections: Vec<(SectionKey, Section)>,
     /// The section of the tube last laid.
     section: usize,
@@ -140,13 +155,14 @@ struct Tubes<'a> {
 }
 
 impl<'a> Tubes<'a> {
-    fn new(stems: &'a Stems, form: &'a TrunkForm, detail: &'a Detail) -> Self {
+    fn new(stems: &'a Stems, form: &'a TrunkForm, detail: &'a Detail, bark_width: f32) -> Self {
         let has_clones = stems.stems.iter().any(|stem| stem.clone_of.is_some());
         let n_joints = if has_clones { stems.segments.len() } else { 0 };
         Self {
             stems,
             form,
             detail,
+            bark_width: bark_width.max(1e-6),
             sections: Vec::new(),
             section: 0,
             sweep: Sweep::default(),
@@ -182,12 +198,18 @@ impl<'a> Tubes<'a> {
         self.section = self.section_of(key);
         let joint = self.joint_of(stem);
         self.place_rings(index, stem, key.sides, joint);
-        let own_start = SweepStart::toward(seed.frame.axes.x_axis);
-        let around = std::f32::consts::TAU * seed.radius / self.detail.bark_width.max(1e-6);
+        let repeats = std::f32::consts::TAU * seed.radius / self.bark_width;
+        let around = if repeats < FEWEST_REPEATS {
+            Around::Mirrored { width: self.bark_width }
+        } else {
+            Around::Repeats(repeats.round().clamp(1.0, 4096.0) as u32)
+        };
+        let (u, v) = place_on_bark(seed.frame.origin);
+        let own_start = SweepStart { u, v, ..SweepStart::toward(seed.frame.axes.x_axis) };
         let is_trunk = seed.level == 0 && stem.clone_of.is_none();
         let options = SweepOptions {
             start: joint.map_or(own_start, |joint| joint.start),
-            repeats: around.round().clamp(1.0, 4096.0) as u32,
+            around,
             base: if is_trunk && self.detail.closed_foot { Cap::Flat } else { Cap::Open },
             tip: Cap::Flat,
         };
@@ -270,6 +292,16 @@ impl<'a> Tubes<'a> {
     }
 }
 
+/// A whole repeat of the bark around a stem may be squeezed to this share of its width.
+const FEWEST_REPEATS: f32 = 0.7;
+
+/// Where on the bark's texture a stem begins that grows at `origin`: anywhere, but always there.
+fn place_on_bark(origin: Vec3) -> (f32, f32) {
+    let share = |x: f32| x - x.floor();
+    let around = origin.dot(Vec3::new(13.7, 17.9, 7.3));
+    (share(around), share(origin.dot(Vec3::new(5.3, -11.1, 19.7))))
+}
+
 /// The sine of the angle between two segments.
 fn bend(segment: &Segment, next: &Segment) -> f32 {
     segment.frame.axes.z_axis.cross(next.frame.axes.z_axis).length()
@@ -319,7 +351,7 @@ mod tests {
     fn checked(species: &Species, detail: &Detail) -> Vec<Mesh> {
         let form = TrunkForm::new(species);
         let meshes = grown(species).into_iter().map(|stems| {
-            let Ok(mesh) = surface(&stems, &form, detail, free);
+            let Ok(mesh) = surface(&stems, &form, detail, 0.5, free);
             assert_eq!(mesh.fault(), None);
             for t in mesh.indices.chunks_exact(3) {
                 let [a, b, c] = [t[0], t[1], t[2]].map(|i| mesh.positions[i as usize]);
@@ -484,7 +516,7 @@ mod tests {
             n_triangles.push(n);
             Ok::<(), Infallible>(())
         };
-        let Ok(mesh) = surface(&stems, &TrunkForm::new(&species), &Detail::default(), charge);
+        let Ok(mesh) = surface(&stems, &TrunkForm::new(&species), &Detail::default(), 0.5, charge);
         assert_eq!(mesh.fault(), None);
         assert_eq!(n_triangles.iter().sum::<usize>(), mesh.n_triangles());
         assert!(stems.stems.len() > 6);
@@ -513,11 +545,36 @@ mod tests {
         let aspen = aspen();
         let stems = &grown(&aspen)[1];
         let mut asked = 0;
-        let result = surface(stems, &TrunkForm::new(&aspen), &Detail::default(), |n| {
+        let result = surface(stems, &TrunkForm::new(&aspen), &Detail::default(), 0.5, |n| {
             asked += n;
             if asked > 500 { Err(asked) } else { Ok(()) }
         });
         assert!(result.is_err_and(|asked| asked > 500 && asked < 600));
+    }
+
+    #[test]
+    fn bark_keeps_its_size_on_thick_and_thin_stems() {
+        let aspen = aspen();
+        let stems = grown(&aspen);
+        let mut n_mirrored = 0;
+        for batch in &stems {
+            let form = TrunkForm::new(&Species::default());
+            let Ok(mesh) = surface(batch, &form, &Detail::default(), 0.5, free);
+            for t in mesh.indices.chunks_exact(3) {
+                // Along a side, where the texture's v runs, unless the stem tapers to a point.
+                let [a, b] = [t[0] as usize, t[2] as usize];
+                let metres = mesh.positions[a].distance(mesh.positions[b]);
+                let texture = (mesh.uvs[a] - mesh.uvs[b]).abs();
+                if texture.x < 1e-6 && texture.y > 0.0 && batch.stems[0].seed.level > 1 {
+                    n_mirrored += 1;
+                    let width = metres / texture.y;
+                    assert!((0.45..0.55).contains(&width), "{width} m on level 2");
+                }
+            }
+        }
+        assert!(n_mirrored > 1000, "{n_mirrored}");
+        let [one, two] = [Vec3::X, Vec3::new(1.0, 0.01, 0.0)].map(place_on_bark);
+        assert!(one != two && one == place_on_bark(Vec3::X));
     }
 
     #[test]

@@ -4,14 +4,17 @@ use std::sync::{Arc, Mutex};
 
 use glam::{Affine3, Mat3};
 use sapwood_geom::{FixedMap, Shared, SharedMesh, fixed_state};
-use sapwood_graph::Shown;
-use sapwood_scene::{Context, MaterialSlot, Rule, RuleError, Style, StyleSlot};
+use sapwood_graph::{Material, Shown};
+use sapwood_images::{LeafOutline, PaintedMaterial};
+use sapwood_scene::{Context, Held, MaterialSlot, Rule, RuleError, Slot, Style, StyleSlot};
 
 use super::super::slots::{
-    BarkSlot, CrownSlot, DetailSlot, FoliageSlot, LeafTargetSlot, LeavesSlot, TrunkFormSlot,
+    BarkLookSlot, BarkSlot, CrownSlot, DetailSlot, FoliageSlot, LeafLookSlot, LeafTargetSlot,
+    LeavesSlot, TrunkFormSlot,
 };
 use super::super::{
-    Leaf, LeafShape, Leaves, Species, Stem, StemSurface, TrunkForm, leaf_mesh, leaves, surface,
+    Leaf, LeafShape, Leaves, Species, Stem, StemSurface, TrunkForm, leaf_card, leaf_mesh, leaves,
+    surface,
 };
 use super::skeleton::draw_stem_lines;
 
@@ -30,7 +33,14 @@ impl Rule for StemSurfaceRule {
             return Ok(());
         }
         let detail = cx.read::<DetailSlot>();
-        let bark = cx.read::<BarkSlot>();
+        let look = cx.read::<BarkLookSlot>();
+        let bark = if style == Style::Solid {
+            let level = of.stems.stems.first().map_or(0, |stem| stem.seed.level);
+            let own = || look.material(level, &detail);
+            Some(material::<BarkSlot>(own, cx)?.0)
+        } else {
+            None
+        };
         let is_trunk = of.stems.stems.iter().any(|stem| stem.seed.level == 0);
         let form = if is_trunk {
             cx.read::<TrunkFormSlot>()
@@ -44,25 +54,44 @@ impl Rule for StemSurfaceRule {
             ends.push(end.saturating_add(triangles as u32));
             cx.reserve_triangles(triangles as u64)
         };
-        let mesh = surface(&of.stems, &form, &detail, charge)?;
+        let mesh = surface(&of.stems, &form, &detail, look.width, charge)?;
         if mesh.is_empty() {
             return Ok(());
         }
-        if style == Style::Wire {
-            cx.lines(Shared::new(mesh.edges()));
-        } else {
-            let bark = cx.own_or_forced::<MaterialSlot>(bark);
-            cx.mesh(SharedMesh::new(mesh), bark);
-            cx.shows(Shown::spans::<Stem>(ends));
+        match bark {
+            Some(bark) => {
+                cx.mesh(SharedMesh::new(mesh), bark);
+                cx.shows(Shown::spans::<Stem>(ends));
+            }
+            None => cx.lines(Shared::new(mesh.edges())),
         }
         Ok(())
     }
 }
 
+/// The material to draw with, and whether it is the species' own: one that is forced wins, then
+/// one that somebody has set in the slot, then that which `own` is painted to.
+fn material<S: Slot<Value = Option<Material>, Rate = Held>>(
+    own: impl FnOnce() -> PaintedMaterial,
+    cx: &mut Context<'_>,
+) -> Result<(Arc<Material>, bool), RuleError> {
+    let set = cx.read::<S>();
+    let nobodys = Arc::new(Material::matte("", 0.0, 0.0, 0.0));
+    let forced = cx.own_or_forced::<MaterialSlot>(Arc::clone(&nobodys));
+    if !Arc::ptr_eq(&forced, &nobodys) {
+        return Ok((forced, false));
+    }
+    match &*set {
+        Some(set) => Ok((Arc::new(set.clone()), false)),
+        None => Ok((Arc::clone(cx.ingredient::<Arc<Material>>(own())?), true)),
+    }
+}
+
 /// Compiles leaves into instances of one mesh, or what else the style asks for.
 pub(super) struct LeavesRule {
-    /// The mesh of each shape that was asked for: a constant, made once and shared by all.
-    meshes: Mutex<FixedMap<LeafShape, SharedMesh>>,
+    /// The mesh of each shape, and of each outline on it, that was asked for: constants, made once
+    /// and shared by all.
+    meshes: Mutex<FixedMap<(LeafShape, Option<LeafOutline>), SharedMesh>>,
 }
 
 impl Default for LeavesRule {
@@ -72,10 +101,11 @@ impl Default for LeavesRule {
 }
 
 impl LeavesRule {
-    fn mesh(&self, shape: LeafShape) -> SharedMesh {
+    fn mesh(&self, shape: LeafShape, outline: Option<LeafOutline>) -> SharedMesh {
         let mut meshes = self.meshes.lock().unwrap_or_else(|broken| broken.into_inner());
-        let mesh = meshes.entry(shape).or_insert_with(|| SharedMesh::new(leaf_mesh(shape)));
-        mesh.clone()
+        let new =
+            || SharedMesh::new(outline.map_or_else(|| leaf_mesh(shape), |o| leaf_card(shape, o)));
+        meshes.entry((shape, outline)).or_insert_with(new).clone()
     }
 }
 
@@ -93,8 +123,14 @@ impl Rule for LeavesRule {
         let params = cx.read::<LeavesSlot>();
         let detail = cx.read::<DetailSlot>();
         let target = cx.read::<LeafTargetSlot>();
-        let foliage = cx.read::<FoliageSlot>();
-        let mesh = self.mesh(params.shape);
+        let (foliage, outline) = if style == Style::Solid {
+            let look = cx.read::<LeafLookSlot>();
+            let (foliage, is_own) = material::<FoliageSlot>(|| look.material(&detail), cx)?;
+            (Some(foliage), is_own.then_some(look.outline))
+        } else {
+            (None, None)
+        };
+        let mesh = self.mesh(params.shape, outline);
         // A coarse leaf mesh would lose the shape; fewer, larger leaves keep it.
         let params = params.thinned(detail.leaves);
         let n_triangles = mesh.n_triangles() as u64;
@@ -106,17 +142,19 @@ impl Rule for LeavesRule {
         if leaves.is_empty() {
             return Ok(());
         }
-        if style == Style::Wire {
-            let edges = mesh.edges();
-            let at_each = leaves.iter().map(placed);
-            let lines =
-                at_each.flat_map(|place| edges.iter().map(move |edge| edge.transformed(&place)));
-            cx.lines(Shared::new(lines.collect()));
-        } else {
-            let foliage = cx.own_or_forced::<MaterialSlot>(foliage);
-            let transforms = leaves.iter().map(placed).collect();
-            cx.instances(mesh, foliage, Shared::new(transforms));
-            cx.shows(Shown::each::<Leaf>());
+        match foliage {
+            Some(foliage) => {
+                let transforms = leaves.iter().map(placed).collect();
+                cx.instances(mesh, foliage, Shared::new(transforms));
+                cx.shows(Shown::each::<Leaf>());
+            }
+            None => {
+                let edges = mesh.edges();
+                let at_each = leaves.iter().map(placed);
+                let lines = at_each
+                    .flat_map(|place| edges.iter().map(move |edge| edge.transformed(&place)));
+                cx.lines(Shared::new(lines.collect()));
+            }
         }
         cx.parts::<Leaf>(leaves);
         Ok(())

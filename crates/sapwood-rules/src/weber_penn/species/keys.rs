@@ -9,6 +9,8 @@
 
 use std::fmt;
 
+use sapwood_images::{BarkKind, LeafOutline};
+
 use super::accepted::Accepted;
 use super::choices::{Dialect, LeafShape, Origin, Variation};
 use super::value::{Field, Value};
@@ -127,6 +129,8 @@ const SIGNED_FACTOR: Accepted = range(-100.0, 100.0);
 /// Stems or leaves on one stem; negative: a fan.
 const CHILDREN: Accepted = whole_from(-100_000, 100_000);
 const TAPER: Accepted = Accepted::Number { min: 0.0, above_min: false, max: 3.0, below_max: true };
+/// Linear red, green and blue.
+const COLOR: Accepted = list(3, 0.0, 1.0);
 const QUALITY: Accepted = above_zero(1.0);
 
 const fn range(min: f32, max: f32) -> Accepted {
@@ -144,6 +148,20 @@ const fn whole_from(min: i64, max: i64) -> Accepted {
 const fn list(len: usize, min: f32, max: f32) -> Accepted {
     Accepted::Numbers { len, min, max }
 }
+
+/// The names of a table of names and what they stand for.
+const fn names<T: Copy, const N: usize>(table: [(&'static str, T); N]) -> [&'static str; N] {
+    let mut names = [""; N];
+    let mut i = 0;
+    while i < N {
+        names[i] = table[i].0;
+        i += 1;
+    }
+    names
+}
+
+static BARKS: [&str; BarkKind::NAMES.len()] = names(BarkKind::NAMES);
+static OUTLINES: [&str; LeafOutline::NAMES.len()] = names(LeafOutline::NAMES);
 
 const fn or(wider: Accepted) -> Option<Accepted> {
     Some(wider)
@@ -255,6 +273,16 @@ table! {
         "leaves.quality": QUALITY, None, None, (leaves.quality);
         "leaves.attraction": SIGNED_FACTOR, None, None, (leaves.attraction);
         "leaves.target": Accepted::LeafTarget, None, None, (leaves.target);
+        "leaves.outline": Accepted::Names(&OUTLINES), None, None, (leaves.outline);
+        "leaves.color": COLOR, None, None, (leaves.color);
+        "leaves.vein_color": COLOR, None, None, (leaves.vein_color);
+        "leaves.translucency": SHARE, None, None, (leaves.translucency);
+        "bark.kind": Accepted::Names(&BARKS), None, None, (bark.kind);
+        "bark.color": COLOR, None, None, (bark.color);
+        "bark.deep_color": COLOR, None, None, (bark.deep_color);
+        "bark.depth": range(0.0, 1.0), None, None, (bark.depth);
+        "bark.width": range(0.001, 100.0), None, None, (bark.width);
+        "bark.twig_color": COLOR, None, None, (bark.twig_color);
         "pruning.ratio": SHARE, None, None, (pruning.ratio);
         "pruning.width": SHARE, None, None, (pruning.width);
         "pruning.width_peak": SHARE, None, None, (pruning.width_peak);
@@ -314,6 +342,10 @@ mod tests {
         from.attraction_target = Target::Point(glam::Vec3::X);
         from.leaves.target = LeafTarget::Direction(glam::Vec3::Y);
         from.leaves.shape = LeafShape::Disc(7);
+        from.leaves.outline = Some(LeafOutline::Oak);
+        from.leaves.color = Some([0.5, 0.25, 0.0]);
+        from.bark.kind = Some(BarkKind::Eyed);
+        from.bark.width = Some(0.75);
         from.ext = Some(TreeGenExt { tropism: Some([0.0, 0.0, 2.0]), ..TreeGenExt::default() });
         from.level[2].curve_v = -30.0;
         let mut to = Species { scale: 99.0, ..Species::default() };
@@ -363,6 +395,9 @@ mod tests {
         check("trunk.base_splits", &[0.0, 3.0], &[-2.0, 101.0]);
         check("leaves.count", &[-20.0, 400.0], &[0.5, 100_001.0, 1e20]);
         check("leaves.quality", &[0.01, 1.0], &[0.0, 1.01]);
+        check("leaves.translucency", &[0.0, 1.0], &[-0.1, 1.1]);
+        check("bark.width", &[0.001, 2.0], &[0.0, -1.0, 101.0]);
+        check("bark.depth", &[0.0, 0.1], &[-0.1, 1.5]);
         check("level.1.taper", &[0.0, 2.999], &[-0.1, 3.0]);
         check("level.2.curve_v", &[-90.0, 500.0], &[-90.1, 36_001.0]);
         check("level.3.curve_res", &[1.0, 1e3], &[0.0, 1001.0]);

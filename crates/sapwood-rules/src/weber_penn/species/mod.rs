@@ -9,6 +9,8 @@ mod choices;
 mod keys;
 mod value;
 
+use sapwood_images::{BarkKind, LeafOutline};
+
 pub use accepted::Accepted;
 pub use choices::{CrownShape, Dialect, LeafShape, LeafTarget, Origin, Target, Variation};
 pub use keys::{Fault, Key, key, keys};
@@ -63,6 +65,8 @@ pub struct Species {
     pub smooth: Option<f32>,
     /// What the trunk alone has.
     pub trunk: TrunkSpec,
+    /// The bark.
+    pub bark: BarkSpec,
     /// The leaves.
     pub leaves: LeavesSpec,
     /// The pruning envelope.
@@ -118,6 +122,7 @@ impl Default for Species {
             attraction_up: 0.0,
             smooth: None,
             trunk: TrunkSpec::default(),
+            bark: BarkSpec::default(),
             leaves: LeavesSpec::default(),
             pruning: PruningSpec::default(),
             level: [
@@ -149,6 +154,23 @@ impl Default for TrunkSpec {
     }
 }
 
+/// The bark of a species; what is not given follows from the rest.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BarkSpec {
+    /// How it is structured.
+    pub kind: Option<BarkKind>,
+    /// The linear colour of what lies outermost.
+    pub color: Option<[f32; 3]>,
+    /// The linear colour of furrows, marks and rings.
+    pub deep_color: Option<[f32; 3]>,
+    /// How deep the relief is, in metres.
+    pub depth: Option<f32>,
+    /// The width in metres of one repeat of the images.
+    pub width: Option<f32>,
+    /// The linear colour of the last level of stems.
+    pub twig_color: Option<[f32; 3]>,
+}
+
 /// The leaves of a species.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeavesSpec {
@@ -172,6 +194,14 @@ pub struct LeavesSpec {
     pub attraction: f32,
     /// What leaves turn toward, in the world.
     pub target: LeafTarget,
+    /// Where their images end; not given: as suits the shape.
+    pub outline: Option<LeafOutline>,
+    /// The linear colour between their veins.
+    pub color: Option<[f32; 3]>,
+    /// The linear colour of their veins.
+    pub vein_color: Option<[f32; 3]>,
+    /// The share of the light scattered in them that leaves on the other side.
+    pub translucency: Option<f32>,
 }
 
 impl Default for LeavesSpec {
@@ -187,6 +217,10 @@ impl Default for LeavesSpec {
             quality: 1.0,
             attraction: 0.0,
             target: LeafTarget::Outward,
+            outline: None,
+            color: None,
+            vein_color: None,
+            translucency: None,
         }
     }
 }

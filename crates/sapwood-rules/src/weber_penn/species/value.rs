@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use sapwood_images::{BarkKind, LeafOutline};
+
 use super::choices::{CrownShape, Dialect, LeafShape, LeafTarget, Origin, Target, Variation};
 
 /// A value as files can hold it.
@@ -152,6 +154,22 @@ macro_rules! name_field {
     )*};
 }
 name_field!(Origin, Dialect, Variation);
+
+macro_rules! image_field {
+    ($($t:ty),*) => {$(
+        impl Field for $t {
+            fn to_value(&self) -> Option<Value> {
+                let (name, _) = Self::NAMES.iter().find(|(_, known)| known == self)?;
+                Some(Value::Text((*name).into()))
+            }
+            fn from_value(value: &Value) -> Option<Self> {
+                let Value::Text(text) = value else { return None };
+                Self::NAMES.iter().find(|(name, _)| name == text).map(|(_, known)| *known)
+            }
+        }
+    )*};
+}
+image_field!(BarkKind, LeafOutline);
 
 impl Field for CrownShape {
     fn to_value(&self) -> Option<Value> {

@@ -1,0 +1,219 @@
+//! What trees look like: bark and leaves as their images and materials are made of, from what a
+//! species says and from what suits its shape where it says nothing.
+
+use sapwood_geom::content;
+use sapwood_graph::{Alpha, Material};
+use sapwood_images::{BarkImage, BarkKind, LeafImage, LeafOutline, Paint, PaintedMaterial};
+
+use super::geometry::half_width;
+use super::{Detail, LeafShape, Species};
+
+/// The bark of a species.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BarkLook {
+    /// How it is structured.
+    pub kind: BarkKind,
+    /// The linear colour of what lies outermost, each number in 0..=1.
+    pub color: [f32; 3],
+    /// The linear colour of furrows, marks and rings, each number in 0..=1.
+    pub deep_color: [f32; 3],
+    /// How deep the relief is, in metres.
+    pub depth: f32,
+    /// The width in metres of one repeat of the bark's images.
+    pub width: f32,
+    /// The linear colour of the twigs' smooth bark; none where they look as everything else does.
+    pub twig_color: Option<[f32; 3]>,
+    /// The level that counts as twigs, and all beyond it.
+    pub first_twig_level: u8,
+}
+
+content!(BarkLook { kind, color, deep_color, depth, width, twig_color, first_twig_level });
+
+impl BarkLook {
+    /// The bark of a species; what it does not say follows from the shape of its leaves.
+    pub fn new(species: &Species) -> Self {
+        let bark = &species.bark;
+        let kind = bark.kind.unwrap_or(match species.leaves.shape {
+            LeafShape::Palm => BarkKind::Ringed,
+            LeafShape::Linear => BarkKind::Plates,
+            _ => BarkKind::Furrowed,
+        });
+        let [color, deep_color] = kind.colors();
+        let width = bark.width.unwrap_or(0.5);
+        Self {
+            kind,
+            color: bark.color.unwrap_or(color),
+            deep_color: bark.deep_color.unwrap_or(deep_color),
+            depth: bark.depth.unwrap_or(kind.depth() * width),
+            width,
+            twig_color: bark.twig_color,
+            // The last level of stems, unless that is the trunk.
+            first_twig_level: (species.levels.clamp(2, 255) - 1) as u8,
+        }
+    }
+
+    /// The material of stems of a level.
+    pub fn material(&self, level: u8, detail: &Detail) -> PaintedMaterial {
+        let twig_color = self.twig_color.filter(|_| level >= self.first_twig_level);
+        let bark = match twig_color {
+            // A twig shows a few pixels of it.
+            Some(color) => BarkImage {
+                color,
+                deep_color: color.map(|channel| 0.3 * channel),
+                size: detail.image_size.div_ceil(2),
+                ..BarkImage::new(BarkKind::Smooth)
+            },
+            None => BarkImage {
+                kind: self.kind,
+                color: self.color,
+                deep_color: self.deep_color,
+                depth: (self.depth / self.width).clamp(0.0, 0.5),
+                size: detail.image_size,
+                ..BarkImage::default()
+            },
+        };
+        let roughness = bark.kind.roughness();
+        let material = Material { roughness, ..Material::matte("bark", 1.0, 1.0, 1.0) };
+        PaintedMaterial { material, paint: Paint::Bark(bark) }
+    }
+}
+
+/// The leaves of a species.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeafLook {
+    /// Their outline.
+    pub outline: LeafOutline,
+    /// The linear colour between the veins, each number in 0..=1.
+    pub color: [f32; 3],
+    /// The linear colour of the veins, each number in 0..=1.
+    pub vein_color: [f32; 3],
+    /// The share of the light scattered in a leaf that leaves on its other side, 0 to 1.
+    pub translucency: f32,
+    /// How wide a leaf is against its length.
+    pub width: f32,
+}
+
+content!(LeafLook { outline, color, vein_color, translucency, width });
+
+impl LeafLook {
+    /// The leaves of a species; what it does not say follows from their shape.
+    pub fn new(species: &Species) -> Self {
+        let leaves = &species.leaves;
+        let color = leaves.color.unwrap_or([0.07, 0.17, 0.03]);
+        // Paler and yellower, whatever the colour.
+        let pale = [0.12, 0.12, 0.05];
+        let vein_color = std::array::from_fn(|i| (0.6 * color[i] + pale[i]).min(1.0));
+        Self {
+            outline: leaves.outline.unwrap_or(outline_of(leaves.shape)),
+            color,
+            vein_color: leaves.vein_color.unwrap_or(vein_color),
+            translucency: leaves.translucency.unwrap_or(0.35),
+            width: 2.0 * half_width(leaves.shape) * leaves.scale_x,
+        }
+    }
+
+    /// The material of the leaves.
+    pub fn material(&self, detail: &Detail) -> PaintedMaterial {
+        let leaf = LeafImage {
+            outline: self.outline,
+            color: self.color,
+            vein_color: self.vein_color,
+            width: self.width.clamp(0.01, 2.0),
+            size: detail.image_size,
+            ..LeafImage::default()
+        };
+        let is_whole = self.outline == LeafOutline::Whole;
+        let material = Material {
+            double_sided: true,
+            roughness: 0.6,
+            translucency: self.translucency,
+            alpha: if is_whole { Alpha::Opaque } else { Alpha::Mask(0.5) },
+            ..Material::matte("leaf", 1.0, 1.0, 1.0)
+        };
+        PaintedMaterial { material, paint: Paint::Leaf(leaf) }
+    }
+}
+
+/// The outline that suits a shape; shapes that are outlines themselves keep theirs.
+fn outline_of(shape: LeafShape) -> LeafOutline {
+    match shape {
+        LeafShape::Oval => LeafOutline::Ovate,
+        LeafShape::Elliptic => LeafOutline::Elliptic,
+        LeafShape::Heart => LeafOutline::Cordate,
+        LeafShape::Maple3 => LeafOutline::Trilobed,
+        LeafShape::Maple5 => LeafOutline::Maple,
+        LeafShape::Palmate => LeafOutline::Palmate,
+        LeafShape::Oak3 => LeafOutline::Oak,
+        LeafShape::Leaflets3 => LeafOutline::Leaflets,
+        LeafShape::Linear => LeafOutline::Needle,
+        LeafShape::Palm => LeafOutline::Blade,
+        LeafShape::Diamond
+        | LeafShape::Triangle
+        | LeafShape::Square
+        | LeafShape::Sphere
+        | LeafShape::Disc(_) => LeafOutline::Whole,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn leaf(shape: LeafShape) -> LeafLook {
+        let mut species = Species::default();
+        species.leaves.shape = shape;
+        LeafLook::new(&species)
+    }
+
+    #[test]
+    fn species_that_say_nothing_look_as_their_leaves_suggest() {
+        assert_eq!(BarkLook::new(&Species::default()).kind, BarkKind::Furrowed);
+        let mut palm = Species::default();
+        palm.leaves.shape = LeafShape::Palm;
+        assert_eq!(BarkLook::new(&palm).kind, BarkKind::Ringed);
+        assert_eq!(LeafLook::new(&palm).outline, LeafOutline::Blade);
+        assert_eq!(leaf(LeafShape::Maple5).outline, LeafOutline::Maple);
+        assert_eq!(leaf(LeafShape::Square).outline, LeafOutline::Whole);
+    }
+
+    #[test]
+    fn everything_that_a_species_may_say_gives_sound_images() {
+        for (_, shape) in LeafShape::NAMES {
+            for scale_x in [1e-6, 1.0, 100.0] {
+                let mut species = Species::default();
+                (species.leaves.shape, species.leaves.scale_x) = (shape, scale_x);
+                let painted = LeafLook::new(&species).material(&Detail::default());
+                let Paint::Leaf(leaf) = painted.paint else { panic!("leaves are leaves") };
+                assert_eq!(leaf.fault(), None);
+            }
+        }
+        for (_, kind) in BarkKind::NAMES {
+            let mut species = Species::default();
+            species.bark.kind = Some(kind);
+            (species.bark.depth, species.bark.width) = (Some(1.0), Some(0.01));
+            for level in [0, 2] {
+                let painted = BarkLook::new(&species).material(level, &Detail::draft());
+                let Paint::Bark(bark) = painted.paint else { panic!("bark is bark") };
+                assert_eq!(bark.fault(), None);
+            }
+        }
+    }
+
+    #[test]
+    fn twigs_have_a_color_of_their_own_where_the_species_gives_one() {
+        let mut species = Species { levels: 3, ..Species::default() };
+        let kind = |species: &Species, level| match BarkLook::new(species)
+            .material(level, &Detail::default())
+            .paint
+        {
+            Paint::Bark(bark) => bark.kind,
+            _ => panic!("bark is bark"),
+        };
+        assert_eq!(kind(&species, 2), BarkKind::Furrowed);
+        species.bark.twig_color = Some([0.2, 0.2, 0.0]);
+        let kinds = [BarkKind::Furrowed, BarkKind::Furrowed, BarkKind::Smooth];
+        assert_eq!([0, 1, 2].map(|level| kind(&species, level)), kinds);
+        species.levels = 1;
+        assert_eq!(kind(&species, 0), BarkKind::Furrowed);
+    }
+}
