@@ -1,10 +1,11 @@
-//! Trees as scenes: what runs after which edit, seeds, targets, every built-in species, and
-//! snapshots. The formulas themselves are tested beside the generator.
+//! Trees as scenes: what runs after which edit, seeds, targets, looks, every built-in species,
+//! and snapshots. The formulas themselves are tested beside the generator.
 
 mod compiles;
 mod counts;
 mod extremes;
 mod foreseen;
+mod looks;
 mod seeds;
 mod snapshots;
 mod species;

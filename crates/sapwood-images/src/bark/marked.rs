@@ -66,7 +66,7 @@ pub(super) fn eyed(patch: &Patch) -> Made {
     dashes.scatter(patch, "eyed.dashes", &mut heights, &mut tones);
     let cracks = Dashes { n: 9.0, half: [0.03, 0.11], thick: 0.004, dark: 0.45, raised: -0.2 };
     cracks.scatter(patch, "eyed.cracks", &mut heights, &mut tones);
-    Eyes { n: 5.0, half: 0.07, flat: 0.45 }.scatter(patch, "eyed.eyes", &mut heights, &mut tones);
+    Eyes { n: 4.0, half: 0.065, flat: 0.45 }.scatter(patch, "eyed.eyes", &mut heights, &mut tones);
     Made { heights, tones }
 }
 
@@ -151,10 +151,10 @@ impl Eyes {
         for i in 0..n {
             let size = patch.size as f32;
             // Spread evenly down the patch, so that no two overlap.
-            let row = (i as f32 + stream.around(0.5, 0.25)) / n as f32;
-            let column = first + 0.618 * i as f32 + stream.around(0.0, 0.06);
+            let row = (i as f32 + stream.around(0.5, 0.35)) / n as f32;
+            let column = first + 0.618 * i as f32 + stream.around(0.0, 0.12);
             let center = [column.fract() * size, row * size];
-            let half = patch.pixels(self.half * patch.scale) * stream.between(0.6, 1.2);
+            let half = patch.pixels(self.half * patch.scale) * stream.between(0.45, 1.25);
             let flat = self.flat * stream.between(0.8, 1.25);
             let (lean, lift) = (stream.around(0.0, 0.3), stream.between(0.25, 0.5));
             if half < 1.0 {

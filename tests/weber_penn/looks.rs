@@ -1,0 +1,105 @@
+//! What trees look like: images of bark and leaves, and what users may put in their place.
+
+use sapwood::graph::{Alpha, DrawList, Material};
+use sapwood::images::LeafOutline;
+use sapwood::rules::weber_penn::{BarkSlot, FoliageSlot, LeafShape, leaf_card, leaf_mesh};
+use sapwood::scene::{MaterialSlot, PushMode};
+
+use super::trees::*;
+
+/// The material of each row with leaves, and of each row with stems.
+fn materials(list: &DrawList) -> [Vec<&Material>; 2] {
+    [true, false].map(|leaves| {
+        let rows = list.placed_rows().filter(|(_, row)| row.instances.is_some() == leaves);
+        rows.map(|(_, row)| &*row.material).collect()
+    })
+}
+
+#[test]
+fn trees_are_drawn_with_images_that_all_their_branches_share() {
+    let mut aspen = grown(&built_in("quaking_aspen"), 1);
+    let list = aspen.draw_list();
+    let [leaves, stems] = materials(&list);
+    assert_eq!((leaves.len(), stems.len()), (50, 101));
+    for (materials, has_normals) in [(&leaves, false), (&stems[..1].to_vec(), true)] {
+        let first = materials[0].images.base_color.as_ref().unwrap();
+        let same = |material: &&Material| {
+            material.images.base_color.as_ref().is_some_and(|image| image.is_same(first))
+        };
+        assert!(materials.iter().all(same));
+        assert_eq!(materials[0].images.normal.is_some(), has_normals);
+    }
+    assert_eq!((leaves[0].alpha, leaves[0].double_sided), (Alpha::Mask(0.5), true));
+    assert!(leaves[0].translucency > 0.3 && stems[0].translucency == 0.0);
+    let image = leaves[0].images.base_color.as_ref().unwrap();
+    assert!(image.pixels.iter().any(|pixel| pixel[3] == 0), "leaves have an outline");
+    // Bark on trunk and limbs, another on twigs.
+    let mut images: Vec<_> = stems
+        .iter()
+        .map(|material| material.images.base_color.as_ref().unwrap().digest())
+        .collect();
+    images.sort_unstable();
+    images.dedup();
+    assert_eq!(images.len(), 2);
+}
+
+#[test]
+fn an_edit_of_a_look_compiles_what_wears_it() {
+    let aspen = built_in("quaking_aspen");
+    let mut tree = grown(&aspen, 1);
+    let mut golden = aspen.clone();
+    golden.leaves.color = Some([0.5, 0.35, 0.02]);
+    tree.set(&golden);
+    let compiled = tree.compiled();
+    let expected = [("attribute", 1), ("leaf_image", 1), ("leaves", 50), ("painted_material", 1)];
+    assert_eq!(compiled, expected);
+    golden.bark.color = Some([0.3, 0.2, 0.1]);
+    tree.set(&golden);
+    let compiled = tree.compiled();
+    let expected =
+        [("attribute", 1), ("bark_image", 1), ("painted_material", 1), ("stem_surface", 101)];
+    assert_eq!(compiled, expected, "the twigs' bark stays");
+    golden.leaves.scale *= 1.5;
+    tree.set(&golden);
+    assert_eq!(tree.compiled(), [("attribute", 1), ("leaves", 50)], "larger, and painted alike");
+}
+
+#[test]
+fn a_material_of_the_users_wins_over_the_species() {
+    let mut tree = grown(&built_in("quaking_aspen"), 1);
+    let n_leaf_triangles = |tree: &mut Grown| {
+        let list = tree.draw_list();
+        let leaves = list.placed_rows().find(|(_, row)| row.instances.is_some());
+        leaves.map(|(_, row)| (*row.mesh).clone()).unwrap()
+    };
+    let card = leaf_card(LeafShape::Oval, LeafOutline::Orbicular);
+    assert_eq!(n_leaf_triangles(&mut tree), card);
+    let [gold, pale] = ["gold", "pale"].map(|name| Material::matte(name, 0.6, 0.4, 0.0));
+    tree.scene.push::<FoliageSlot>(tree.family, Some(gold.clone())).unwrap();
+    tree.scene.push::<BarkSlot>(tree.family, Some(pale.clone())).unwrap();
+    let list = tree.draw_list();
+    let [leaves, stems] = materials(&list);
+    assert!(leaves.iter().all(|material| **material == gold));
+    assert!(stems.iter().all(|material| **material == pale));
+    // Nothing is known of such a material's images: the mesh has the outline itself.
+    assert_eq!(n_leaf_triangles(&mut tree), leaf_mesh(LeafShape::Oval));
+
+    let clay = Material::matte("clay", 0.7, 0.7, 0.7);
+    let forced = clay.clone();
+    tree.scene
+        .edit(tree.family, |family| family.set_as::<MaterialSlot>(PushMode::Force, forced))
+        .unwrap();
+    let list = tree.draw_list();
+    assert!(list.placed_rows().all(|(_, row)| *row.material == clay));
+}
+
+#[test]
+fn lines_need_no_images() {
+    let aspen = built_in("quaking_aspen");
+    let mut tree = planted(&aspen, 1);
+    let skeleton = tree.scene.open_view(tree.family, &sapwood::skeleton_rules()).unwrap();
+    tree.scene.bounds(skeleton).unwrap();
+    let log = tree.scene.take_log();
+    assert!(log.iter().all(|event| !event.kind.name().ends_with("image")));
+    assert!(!log.is_empty());
+}
