@@ -43,11 +43,13 @@ fn what_is_made_of_a_list_leaves_the_scene_alone() {
         }
     }
     // What is merged comes first; the leaves are instances of something simple already.
-    let bark = |list: &DrawList| list.bodies[0].rows[0].mesh.n_triangles();
-    let (fine, coarse) = (bark(&merged), bark(&simple));
+    let wood = |list: &DrawList| {
+        list.bodies[0].rows[..2].iter().map(|row| row.mesh.n_triangles()).sum::<usize>()
+    };
+    let (fine, coarse) = (wood(&merged), wood(&simple));
     assert!(coarse < fine * 4 / 5 && coarse > fine / 5, "{coarse} of {fine}");
     assert_eq!([&smooth, &merged, &all].map(n_triangles), [before.2; 3]);
-    assert_eq!(all.bodies[0].rows.len(), 2, "bark and leaves");
+    assert_eq!(all.bodies[0].rows.len(), 3, "bark, twigs and leaves");
 
     let again = made(&list);
     for (one, other) in [simple, smooth, merged, all].iter().zip(&again) {

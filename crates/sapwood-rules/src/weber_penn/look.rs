@@ -158,6 +158,7 @@ fn outline_of(shape: LeafShape) -> LeafOutline {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::weber_penn::BarkSpec;
 
     fn leaf(shape: LeafShape) -> LeafLook {
         let mut species = Species::default();
@@ -174,6 +175,35 @@ mod tests {
         assert_eq!(LeafLook::new(&palm).outline, LeafOutline::Blade);
         assert_eq!(leaf(LeafShape::Maple5).outline, LeafOutline::Maple);
         assert_eq!(leaf(LeafShape::Square).outline, LeafOutline::Whole);
+    }
+
+    #[test]
+    fn species_look_as_they_say() {
+        let mut species = Species::default();
+        let [one, two, three] = [[0.1, 0.2, 0.3], [0.4, 0.5, 0.6], [0.7, 0.8, 0.9]];
+        species.bark = BarkSpec {
+            kind: Some(BarkKind::Culm),
+            color: Some(one),
+            deep_color: Some(two),
+            depth: Some(0.02),
+            width: Some(0.5),
+            twig_color: Some(three),
+        };
+        let look = BarkLook::new(&species);
+        let detail = Detail::default();
+        let Paint::Bark(bark) = look.material(0, &detail).paint else { panic!("bark is bark") };
+        assert_eq!((bark.kind, bark.color, bark.deep_color), (BarkKind::Culm, one, two));
+        assert_eq!((bark.depth, bark.size, look.width), (0.04, 256, 0.5));
+        let Paint::Bark(twig) = look.material(2, &detail).paint else { panic!("bark is bark") };
+        assert_eq!((twig.color, twig.size), (three, 128));
+
+        species.leaves.outline = Some(LeafOutline::Oak);
+        (species.leaves.color, species.leaves.vein_color) = (Some(one), Some(two));
+        (species.leaves.translucency, species.leaves.scale_x) = (Some(0.25), 0.6);
+        let painted = LeafLook::new(&species).material(&detail);
+        let Paint::Leaf(leaf) = painted.paint else { panic!("leaves are leaves") };
+        assert_eq!((leaf.outline, leaf.color, leaf.vein_color), (LeafOutline::Oak, one, two));
+        assert_eq!((leaf.width, painted.material.translucency), (0.6, 0.25));
     }
 
     #[test]
