@@ -14,24 +14,24 @@ pub struct Ray32 {
     pub origin: Vec3,
     /// Where it goes; need not have unit length.
     pub direction: Vec3,
-    inverse: Vec3,
 }
 
 impl Ray32 {
     /// The half-line from `origin` along `direction`.
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
+        Self { origin, direction }
+    }
+
+    /// One over each coordinate of the direction.
+    #[inline]
+    pub(crate) fn inverse(&self) -> Vec3 {
         // A large number in place of infinity, for zero times infinity is no number.
         let inverse = |x: f32| {
             let inverse = 1.0 / x;
             if inverse.is_finite() { inverse } else { f32::MAX.copysign(x) }
         };
-        let [x, y, z] = direction.to_array().map(inverse);
-        Self { origin, direction, inverse: Vec3::new(x, y, z) }
-    }
-
-    /// One over each coordinate of the direction; a large number where that is zero.
-    pub(crate) fn inverse(&self) -> Vec3 {
-        self.inverse
+        let [x, y, z] = self.direction.to_array().map(inverse);
+        Vec3::new(x, y, z)
     }
 
     /// The point at a distance.
@@ -55,8 +55,9 @@ impl Ray32 {
         // Plain comparisons, one instruction each.
         let smaller = |a: f32, b: f32| if a < b { a } else { b };
         let larger = |a: f32, b: f32| if a > b { a } else { b };
-        let one = (min - self.origin) * self.inverse;
-        let other = (max - self.origin) * self.inverse;
+        let inverse = self.inverse();
+        let one = (min - self.origin) * inverse;
+        let other = (max - self.origin) * inverse;
         let enters = larger(smaller(one.x, other.x), smaller(one.y, other.y));
         let enters = larger(enters, larger(smaller(one.z, other.z), 0.0));
         let leaves = smaller(larger(one.x, other.x), larger(one.y, other.y));
