@@ -29,15 +29,15 @@ pub(super) fn polygons(outline: LeafOutline, width: f32) -> Vec<Vec<Vec2>> {
 /// Three thin needles from one sheath.
 fn needles() -> Vec<Vec<Vec2>> {
     let needle = |foot: f32, tip: Vec2| {
-        let across = Vec2::new(0.13, 0.0);
+        let across = Vec2::new(0.22, 0.0);
         let foot = Vec2::new(foot, 0.0);
         let middle = foot + (tip - foot) * 0.8;
         vec![foot - across, foot + across, middle + across, tip, middle - across]
     };
     vec![
-        needle(-0.14, Vec2::new(-0.78, 0.96)),
+        needle(-0.16, Vec2::new(-0.7, 0.96)),
         needle(0.0, Vec2::new(0.06, 1.0)),
-        needle(0.14, Vec2::new(0.8, 0.93)),
+        needle(0.16, Vec2::new(0.72, 0.93)),
     ]
 }
 
