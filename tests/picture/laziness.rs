@@ -139,7 +139,8 @@ fn of_ten_thousand_trees_those_are_compiled_that_rays_come_by() {
     drop(supply);
     println!("{} trees compiled, {} links filled", compiled.len(), picture.n_filled);
     assert_eq!(n_compiled(&mut scene, Kind::of::<Tree>()), compiled.len());
-    assert!(compiled.len() >= 20 && compiled.len() <= 300, "{}", compiled.len());
+    // Three in a hundred are allowed; it was 69 when this was written.
+    assert!(compiled.len() >= 20 && compiled.len() <= 120, "{}", compiled.len());
     let seen = seen_trunks(3);
     assert!((10..60).contains(&seen.len()), "{}", seen.len());
     for tree in seen {

@@ -2,7 +2,10 @@
 
 mod agreement;
 mod analytic;
+mod compared;
+mod golden;
 mod laziness;
 mod sameness;
 mod scenes;
+mod sharing;
 mod unfit;

@@ -27,20 +27,23 @@ pub struct BoxTree {
 
 impl BoxTree {
     /// A tree over `boxes`; those that are empty or not finite are left out.
+    ///
+    /// # Panics
+    /// When there are more than 2^28 of them.
     pub fn new(boxes: impl IntoIterator<Item = Aabb>) -> Self {
         Self::with_leaves_of(FEW, boxes)
     }
 
     /// As [`new`](Self::new), for things that are dear to look at: each has a box of its own in
     /// the tree.
+    ///
+    /// # Panics
+    /// When there are more than 2^28 of them.
     pub fn of_dear_things(boxes: impl IntoIterator<Item = Aabb>) -> Self {
         Self::with_leaves_of(1, boxes)
     }
 
     /// A tree whose leaves hold up to so many things where that pays.
-    ///
-    /// # Panics
-    /// When there are more than 2^28 things.
     fn with_leaves_of(most: usize, boxes: impl IntoIterator<Item = Aabb>) -> Self {
         let mut items = Vec::new();
         let mut grown = Vec::new();

@@ -73,13 +73,18 @@ impl Ray32 {
         }
         let away = self.origin - sphere.center;
         let square = self.direction.length_squared();
-        let half = away.dot(self.direction);
-        let rest = away.length_squared() - sphere.radius * sphere.radius;
-        if rest <= 0.0 {
+        let nearest = -away.dot(self.direction) / square;
+        let room = sphere.radius * sphere.radius;
+        if away.length_squared() <= room {
             return Some(0.0);
         }
-        let root = half * half - square * rest;
-        (root >= 0.0 && half < 0.0).then(|| (-half - libm::sqrtf(root)) / square)
+        // Taken at the nearest point, where numbers are as small as the sphere. From far away the
+        // origin is rounded all the same, so the sphere counts as a little larger.
+        let missed = (away + self.direction * nearest).length_squared();
+        let slack = 1e-6 * away.abs().max_element();
+        let room = room + slack * (2.0 * sphere.radius + slack);
+        (missed <= room && nearest > 0.0)
+            .then(|| (nearest - libm::sqrtf((room - missed) / square)).max(0.0))
     }
 }
 
@@ -103,10 +108,25 @@ mod tests {
     fn spheres_are_entered_from_outside_and_inside() {
         let ball = Sphere { center: Vec3::new(5.0, 0.0, 0.0), radius: 1.0 };
         let ray = |origin: Vec3, direction| Ray32::new(origin, direction).enters_sphere(&ball);
-        assert_eq!(ray(Vec3::ZERO, Vec3::X * 2.0), Some(2.0));
+        assert!((ray(Vec3::ZERO, Vec3::X * 2.0).unwrap() - 2.0).abs() < 1e-4);
         assert_eq!(ray(Vec3::new(5.5, 0.0, 0.0), Vec3::Y), Some(0.0));
         assert_eq!(ray(Vec3::ZERO, Vec3::NEG_X), None);
         assert_eq!(ray(Vec3::new(0.0, 2.0, 0.0), Vec3::X), None);
         assert_eq!(Ray32::new(Vec3::ZERO, Vec3::X).enters_sphere(&Sphere::EMPTY), None);
+    }
+
+    #[test]
+    fn small_spheres_far_away_are_entered() {
+        for i in 0..1_000 {
+            let angle = i as f32 * 0.61;
+            let far = Vec3::new(angle.cos(), 0.3, angle.sin()).normalize();
+            for (distance, radius) in [(1e3, 0.5), (1e4, 0.5), (3e4, 5.0)] {
+                let center = far * distance;
+                let aside = far.any_orthonormal_vector() * (0.8 * radius);
+                let ray = Ray32::new(Vec3::ZERO, (center + aside).normalize());
+                let enters = ray.enters_sphere(&Sphere { center, radius }).unwrap();
+                assert!((enters - distance).abs() <= 1.01 * radius + 1e-6 * distance);
+            }
+        }
     }
 }

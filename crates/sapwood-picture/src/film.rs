@@ -22,7 +22,7 @@ impl Encoding {
     }
 
     /// The byte of a linear value; what is brighter than 1 is 1.
-    fn byte(&self, linear: f32) -> u8 {
+    pub(crate) fn byte(&self, linear: f32) -> u8 {
         // What is no number is black.
         self.0[(linear.clamp(0.0, 1.0) * STEPS as f32).round() as usize]
     }

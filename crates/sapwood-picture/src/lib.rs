@@ -10,7 +10,8 @@
 //! scene, camera and options give the same bytes on any number of threads.
 //!
 //! Lights behind a foreseen bound do not shine, for nobody knows of them; labels and cameras are
-//! not drawn. A [`Sheet`] holds many pictures with their captions. This crate opens no files: the picture is an [`Image`](sapwood_geom::Image).
+//! not drawn. A [`Sheet`] holds many pictures with their captions. This crate opens no files: the
+//! picture is an [`Image`](sapwood_geom::Image).
 
 mod camera;
 mod error;

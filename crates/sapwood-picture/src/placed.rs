@@ -4,8 +4,11 @@ use sapwood_geom::Aabb;
 use sapwood_geom::glam::{Affine3, Mat3, Vec3};
 use sapwood_graph::{Camera, Eye, Lens};
 
-use crate::PictureError;
 use crate::camera::Gaze;
+use crate::{PictureError, PictureOptions};
+
+/// How many metres from the origin cameras, and what they are to see, may be.
+const FARTHEST: f32 = 1e15;
 
 /// A camera at its place.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,9 +31,10 @@ impl PlacedCamera {
     /// can.
     ///
     /// # Errors
-    /// When the eye is where the target is, or one of them is nowhere.
+    /// When the eye is where the target is, or one of them is nowhere or farther than 10^15 m.
     pub fn look_at(lens: Lens, eye: Vec3, target: Vec3) -> Result<Self, PictureError> {
-        let Some(back) = (eye - target).try_normalize().filter(|_| eye.is_finite()) else {
+        let reach = eye.abs().max(target.abs()).max_element();
+        let Some(back) = (eye - target).try_normalize().filter(|_| reach <= FARTHEST) else {
             return Err(PictureError::Camera(format!("its eye {eye} has no way to {target}")));
         };
         let far = match lens {
@@ -63,8 +67,11 @@ impl PlacedCamera {
         if aabb.is_empty() {
             return Err(PictureError::Empty);
         }
+        PictureOptions { size, ..PictureOptions::default() }.check()?;
         let fault = |fault: String| Err(PictureError::Camera(fault));
-        if !(aabb.min.is_finite() && aabb.max.is_finite()) {
+        let reach = aabb.min.abs().max(aabb.max.abs()).max_element();
+        let is_near = reach <= FARTHEST && aabb.min.is_finite() && aabb.max.is_finite();
+        if !is_near {
             return fault(format!("what it is to see reaches from {} to {}", aabb.min, aabb.max));
         }
         let Some(back) = from.try_normalize() else {
@@ -269,6 +276,10 @@ mod tests {
         assert!(fit(nowhere, Vec3::X, 0.1).contains("reaches from"));
         assert!(fit(cube, Vec3::ZERO, 0.1).contains("no direction"));
         assert!(fit(cube, Vec3::X, 0.5).contains("margin of 0.5"));
+        let huge = Aabb { min: Vec3::splat(-3e38), max: Vec3::splat(3e38) };
+        assert!(fit(huge, Vec3::X, 0.1).contains("reaches from"));
+        let none = PlacedCamera::fit(&cube, Vec3::X, PERSPECTIVE, [0, 9], 0.1);
+        assert!(none.unwrap_err().to_string().contains("0x9"));
         let look = |eye, target| PlacedCamera::look_at(PERSPECTIVE, eye, target);
         assert!(look(Vec3::ONE, Vec3::ONE).is_err());
         assert!(look(Vec3::NAN, Vec3::ONE).is_err());

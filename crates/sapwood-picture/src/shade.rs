@@ -122,9 +122,8 @@ impl Shader<'_> {
 
     /// What a ray meets first, the ground included; nothing where the ray waits.
     fn first(&mut self, ray: &Ray32, reach: f32, sample: Sample<'_>) -> Option<First> {
-        let ground = self.options.ground.and_then(|ground| {
-            let distance = (ground.height - ray.origin.y) / ray.direction.y;
-            let is_met = distance > 0.0 && distance < reach && ray.direction.y < 0.0;
+        let ground = self.options.ground.zip(self.to_ground(ray)).and_then(|(ground, distance)| {
+            let is_met = distance < reach;
             let haze = (1.0 + ray.direction.y / HAZE_FROM).clamp(0.0, 1.0);
             is_met.then_some((First::Ground { ground, distance, haze }, distance))
         });
@@ -141,6 +140,12 @@ impl Shader<'_> {
                 None
             }
         }
+    }
+
+    /// How far it is along a ray to the ground, from above.
+    fn to_ground(&self, ray: &Ray32) -> Option<f32> {
+        let distance = (self.options.ground?.height - ray.origin.y) / ray.direction.y;
+        (distance > 0.0 && ray.direction.y < 0.0).then_some(distance)
     }
 
     /// What is seen where nothing is, and whether that covers anything.
@@ -169,7 +174,11 @@ impl Shader<'_> {
             }
             self.rays.shadow += 1;
             let chance = unit(mixed(sample.pair(Use::Chance)[0].to_bits(), number as u32));
-            match self.passage(&spot.ray(beam.toward), beam.reach, chance) {
+            let ray = spot.ray(beam.toward);
+            if self.to_ground(&ray).is_some_and(|distance| distance < beam.reach) {
+                continue;
+            }
+            match self.passage(&ray, beam.reach, chance) {
                 Some(is_clear) => light += if is_clear { share * beam.color } else { Vec3::ZERO },
                 None => waits = true,
             }
@@ -184,7 +193,11 @@ impl Shader<'_> {
         let through = sample.pair(Use::Chance)[1] < matter.translucency;
         let side = if through { -spot.shading_normal } else { spot.shading_normal };
         let direction = cosine_weighted(side, sample.pair(Use::Sky));
-        let color = sky.color(direction);
+        // Of the ground comes what falls on it from above.
+        let color = match self.options.ground.filter(|_| direction.y < 0.0) {
+            Some(ground) => Vec3::from(ground.color) * sky.color(Vec3::Y),
+            None => sky.color(direction),
+        };
         let mut seen = Vec3::ONE;
         if sky.occlusion_distance > 0.0 {
             self.rays.sky += 1;

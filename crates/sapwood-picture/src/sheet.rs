@@ -82,10 +82,10 @@ impl Sheet {
         Some(Self { image, cells })
     }
 
-    /// Puts a picture into the cell of this number; what does not fit in is left out, and cells
-    /// that the sheet has not are none.
+    /// Puts a picture into the cell of this number; what does not fit in is left out. Cells that
+    /// the sheet has not are none, and images with a fault are no pictures.
     pub fn put(&mut self, number: u32, picture: &Image) {
-        if number >= self.cells.n {
+        if number >= self.cells.n || picture.fault().is_some() {
             return;
         }
         let [left, top] = self.cells.corner(number);

@@ -33,7 +33,7 @@ pub struct Picture {
     pub n_filled: u64,
 }
 
-/// How many rays of each sort were sent.
+/// How many rays of each sort were sent; those of a pixel that was tried again count again.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RayCounts {
     /// From the camera.

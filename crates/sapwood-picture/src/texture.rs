@@ -1,9 +1,11 @@
 //! Images made ready to be looked up at any size.
 
-use sapwood_geom::glam::{Vec2, Vec4};
-use sapwood_geom::{Image, Shared};
+use std::sync::Arc;
 
-use crate::film::linear_of_srgb;
+use sapwood_geom::glam::{Vec2, Vec4};
+use sapwood_geom::{Digest, FixedMap, Image, Shared, fixed_state};
+
+use crate::film::{Encoding, linear_of_srgb};
 
 /// An image, and the same at half the size down to one pixel.
 pub(crate) struct Texture {
@@ -15,12 +17,29 @@ pub(crate) struct Texture {
 }
 
 /// What the bytes of an image mean.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) enum Meaning {
     /// Colours, sRGB-encoded.
     Color,
     /// Numbers from 0 to 1.
     Number,
+}
+
+/// The textures of images, each made once.
+pub(crate) struct Textures(FixedMap<(Digest, Meaning), Arc<Texture>>);
+
+impl Default for Textures {
+    fn default() -> Self {
+        Self(FixedMap::with_hasher(fixed_state()))
+    }
+}
+
+impl Textures {
+    /// The texture of an image, which must have no fault.
+    pub(crate) fn texture(&mut self, image: &Shared<Image>, meaning: Meaning) -> Arc<Texture> {
+        let texture = self.0.entry((image.digest(), meaning));
+        Arc::clone(texture.or_insert_with(|| Arc::new(Texture::new(image, meaning))))
+    }
 }
 
 impl Texture {
@@ -30,13 +49,14 @@ impl Texture {
             Meaning::Color => linear_of_srgb(byte as u8),
             Meaning::Number => byte as f32 / 255.0,
         });
+        let encoding = Encoding::new();
         let mut smaller: Vec<Image> = Vec::new();
         loop {
             let last = smaller.last().unwrap_or(image);
             if last.width.max(last.height) == 1 {
                 break;
             }
-            smaller.push(halved(last));
+            smaller.push(halved(last, meaning, &values, &encoding));
         }
         Self { image: image.clone(), smaller, values }
     }
@@ -76,27 +96,33 @@ impl Texture {
     }
 }
 
-/// The image at half its size; each pixel is the mean of four, as far as they are there.
-fn halved(image: &Image) -> Image {
+/// The image at half its size; each pixel is the mean of four, as far as they are there. Colours
+/// are averaged as light, and count as far as they cover.
+fn halved(image: &Image, meaning: Meaning, values: &[f32; 256], encoding: &Encoding) -> Image {
     let (width, height) = ((image.width / 2).max(1), (image.height / 2).max(1));
     Image::from_fn(width, height, |x, y| {
-        let mut sums = [0u32; 4];
-        let mut weight = 0;
+        let mut sums = [0.0; 3];
+        let (mut coverage, mut weight) = (0, 0.0);
         for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
             let (x, y) = ((2 * x + dx).min(image.width - 1), (2 * y + dy).min(image.height - 1));
-            let [r, g, b, a] = image.pixels[(y * image.width + x) as usize].map(u32::from);
-            // Pixels that are nearly not there must colour nothing, and count all the same
-            // where none is there.
-            let share = a * 16 + 1;
-            for (sum, value) in sums.iter_mut().zip([r * share, g * share, b * share]) {
-                *sum += value;
+            let [r, g, b, a] = image.pixels[(y * image.width + x) as usize];
+            let share = match meaning {
+                // Pixels that are nearly not there must colour nothing, and count all the same
+                // where none is there.
+                Meaning::Color => f32::from(a) + 1.0 / 16.0,
+                Meaning::Number => 1.0,
+            };
+            for (sum, byte) in sums.iter_mut().zip([r, g, b]) {
+                *sum += share * values[usize::from(byte)];
             }
-            sums[3] += a;
+            coverage += u32::from(a);
             weight += share;
         }
-        let [r, g, b, a] = sums;
-        let mean = |sum: u32| ((sum + weight / 2) / weight) as u8;
-        [mean(r), mean(g), mean(b), ((a + 2) / 4) as u8]
+        let [r, g, b] = sums.map(|sum| match meaning {
+            Meaning::Color => encoding.byte(sum / weight),
+            Meaning::Number => (255.0 * sum / weight).round() as u8,
+        });
+        [r, g, b, ((coverage + 2) / 4) as u8]
     })
 }
 
@@ -130,10 +156,32 @@ mod tests {
         assert!((odd.at(Vec2::splat(0.3), 4.0).x - 0.4).abs() < 0.01);
     }
 
+    fn colors(pixel: impl Fn(u32, u32) -> [u8; 4]) -> Texture {
+        Texture::new(&Shared::new(Image::from_fn(2, 1, pixel)), Meaning::Color)
+    }
+
     #[test]
     fn what_is_not_there_colours_nothing() {
-        let texture = numbers(2, 1, |x, _| if x == 0 { [200, 0, 0, 255] } else { [0; 4] });
+        let texture = colors(|x, _| if x == 0 { [200, 0, 0, 255] } else { [0; 4] });
         let mean = texture.at(Vec2::splat(0.3), 2.0);
-        assert!((mean.x - 200.0 / 255.0).abs() < 0.02 && (mean.w - 0.5).abs() < 0.01);
+        assert!((mean.x - linear_of_srgb(200)).abs() < 0.02 && (mean.w - 0.5).abs() < 0.01);
+        // Numbers are there whatever their image covers.
+        let texture = numbers(2, 1, |x, _| if x == 0 { [200, 0, 0, 255] } else { [0; 4] });
+        assert!((texture.at(Vec2::splat(0.3), 2.0).x - 100.0 / 255.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn colours_are_averaged_as_light() {
+        let texture = colors(|x, _| if x == 0 { [255; 4] } else { [0, 0, 0, 255] });
+        assert!((texture.at(Vec2::splat(0.3), 2.0).x - 0.5).abs() < 0.01);
+    }
+
+    #[test]
+    fn equal_images_are_made_ready_once() {
+        let image = || Shared::new(Image::from_fn(4, 4, |x, y| [x as u8, y as u8, 0, 255]));
+        let mut textures = Textures::default();
+        let [one, same, other] = [Meaning::Color, Meaning::Color, Meaning::Number]
+            .map(|meaning| textures.texture(&image(), meaning));
+        assert!(Arc::ptr_eq(&one, &same) && !Arc::ptr_eq(&one, &other));
     }
 }

@@ -6,7 +6,8 @@ use smallvec::{SmallVec, smallvec};
 
 use crate::world::{Cluster, Item, Look, Surface, World};
 
-/// Clusters that one ray may go through, so that no graph keeps a picture busy for ever.
+/// Clusters that one ray may go through, so that no graph keeps a picture busy for ever; where
+/// many are ahead, each counts for as many as it takes to find the nearest.
 pub(crate) const MOST_CLUSTERS: u32 = 1 << 20;
 
 /// What a ray meets first.
@@ -91,7 +92,7 @@ impl Ahead {
         if self.pending.is_empty() {
             return None;
         }
-        self.n_left = self.n_left.saturating_sub(1);
+        self.n_left = self.n_left.saturating_sub(1 + self.pending.len() as u32 / 16);
         Some(self.pending.swap_remove(nearest))
     }
 }

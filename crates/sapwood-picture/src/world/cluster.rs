@@ -26,7 +26,7 @@ pub(crate) enum Item {
         to_local: Affine3,
     },
     /// A straight piece of a line.
-    Line(Box<LinePiece>),
+    Line(LinePiece),
     /// Another cluster.
     Cluster {
         /// Its number.

@@ -89,7 +89,8 @@ impl<'a> Gather<'a> {
         while let Some(here) = self.sites.pop() {
             let before = items.len();
             self.scan(&here, cluster, &task, &mut items);
-            self.world.n_items += (items.len() - before) as u64;
+            // Sites count as well, for a graph may have many that hold nothing.
+            self.world.n_items += 1 + (items.len() - before) as u64;
             if self.world.n_items > MOST_ITEMS {
                 return Err(Interrupted::Exhausted {
                     what: "things in a picture",
@@ -161,7 +162,7 @@ impl<'a> Gather<'a> {
                         let ends = [i, i + 1].map(|i| frame.transform_point3(line.points[i]));
                         let radii = [line.radii[i], line.radii[i + 1]];
                         let piece = LinePiece::new(ends, radii, &width, &task.outside);
-                        Item::Line(Box::new(piece))
+                        Item::Line(piece)
                     };
                     items.extend((0..line.points.len().saturating_sub(1)).map(piece));
                 }
@@ -188,6 +189,9 @@ impl<'a> Gather<'a> {
         let look = self.world.look(material);
         let surface = self.surface(mesh.clone(), look);
         for transform in transforms {
+            if self.world.n_items > MOST_ITEMS {
+                return;
+            }
             let frame = *frame * *transform;
             let to_local = frame.inverse();
             if to_local.is_finite() {
@@ -196,6 +200,8 @@ impl<'a> Gather<'a> {
                 // Nobody can be inside a flat frame, so its triangles are taken out of it.
                 let mut flat = sapwood_geom::Mesh::default();
                 flat.append(mesh, &frame);
+                // Its own copy, unlike all others.
+                self.world.n_items += mesh.n_triangles() as u64;
                 let surface = self.surface(SharedMesh::new(flat), look);
                 let to_local = Affine3::IDENTITY;
                 items.push(Item::Surface { surface, to_local });
@@ -235,6 +241,9 @@ impl<'a> Gather<'a> {
                 Supplied::Ready(site) => {
                     if !is_finished {
                         self.world.survey.look_at(self.supply, site);
+                    }
+                    if self.world.survey.is_empty(site) {
+                        continue;
                     }
                     if run.foreseen.is_some() || self.world.survey.is_shared(site) {
                         let shows_lights = task.shows_lights && run.foreseen.is_none();

@@ -6,15 +6,15 @@ use sapwood_geom::glam::{Vec2, Vec3, Vec4};
 use sapwood_geom::{Image, Shared};
 use sapwood_graph::{Alpha, Material};
 
-use crate::texture::{Meaning, Texture};
+use crate::texture::{Meaning, Texture, Textures};
 
 /// A material made ready.
 pub(crate) struct Look {
     material: Arc<Material>,
-    base_color: Option<Texture>,
-    metallic_roughness: Option<Texture>,
-    normal: Option<Texture>,
-    emissive: Option<Texture>,
+    base_color: Option<Arc<Texture>>,
+    metallic_roughness: Option<Arc<Texture>>,
+    normal: Option<Arc<Texture>>,
+    emissive: Option<Arc<Texture>>,
     /// Whether there is anywhere that it may not cover.
     pub(crate) has_holes: bool,
 }
@@ -31,10 +31,10 @@ pub(crate) struct Matter {
 }
 
 impl Look {
-    pub(super) fn new(material: &Arc<Material>) -> Self {
-        let texture = |image: &Option<Shared<Image>>, meaning| {
+    pub(super) fn new(material: &Arc<Material>, textures: &mut Textures) -> Self {
+        let mut texture = |image: &Option<Shared<Image>>, meaning| {
             let image = image.as_ref().filter(|image| image.fault().is_none());
-            image.map(|image| Texture::new(image, meaning))
+            image.map(|image| textures.texture(image, meaning))
         };
         let images = &material.images;
         let is_covered = material.base_color[3] >= 1.0 && images.base_color.is_none();
@@ -69,7 +69,7 @@ impl Look {
     pub(crate) fn at(&self, uv: Vec2, texture_size: f32) -> Matter {
         let Material { base_color, metallic, roughness, emissive, translucency, .. } =
             *self.material;
-        let read = |texture: &Option<Texture>| {
+        let read = |texture: &Option<Arc<Texture>>| {
             let texture = texture.as_ref()?;
             Some(texture.at(uv, texture_size * libm::sqrtf(texture.n_pixels())))
         };

@@ -14,7 +14,7 @@ mod wanted;
 use std::sync::Arc;
 
 use sapwood_geom::glam::{Affine3, Vec3};
-use sapwood_geom::{Bound, FixedMap, SharedMesh, fixed_state};
+use sapwood_geom::{Bound, Digest, FixedMap, SharedMesh, fixed_state};
 use sapwood_graph::{EnvId, Interrupted, Light, Material, Provide, SiteId, Supplied, discover};
 
 pub(crate) use cluster::{Cluster, Item};
@@ -25,8 +25,11 @@ use gather::{Gather, Task};
 use survey::Survey;
 use wanted::Wanted;
 
-/// Things that a world may hold, so that no graph fills all memory.
-const MOST_ITEMS: u64 = 50_000_000;
+use crate::texture::Textures;
+
+/// Things and sites that a world may hold, so that no graph fills all memory: with their boxes and
+/// their share of a tree about 150 bytes each.
+const MOST_ITEMS: u64 = 1 << 24;
 
 /// What rays meet.
 pub(crate) struct World {
@@ -40,8 +43,10 @@ pub(crate) struct World {
     line_width: LineWidth,
     has_lines: bool,
     n_items: u64,
-    /// The looks of materials, by the addresses of those, which the looks keep from being freed.
-    look_of: FixedMap<usize, u32>,
+    /// The looks of materials, by the content of those.
+    look_of: FixedMap<Digest, u32>,
+    /// The images of all looks, each once.
+    textures: Textures,
     survey: Survey,
     /// The clusters of sites that look the same everywhere.
     cluster_of: FixedMap<SiteId, u32>,
@@ -91,6 +96,7 @@ impl World {
             has_lines: false,
             n_items: 0,
             look_of: FixedMap::with_hasher(fixed_state()),
+            textures: Textures::default(),
             survey: Survey::default(),
             cluster_of: FixedMap::with_hasher(fixed_state()),
             ways: vec![(0, 0)],
@@ -163,9 +169,9 @@ impl World {
     /// The number of a material's look.
     fn look(&mut self, material: &Arc<Material>) -> u32 {
         let next = self.looks.len() as u32;
-        let number = *self.look_of.entry(Arc::as_ptr(material).addr()).or_insert(next);
+        let number = *self.look_of.entry(Digest::of(&**material)).or_insert(next);
         if number == next {
-            self.looks.push(Look::new(material));
+            self.looks.push(Look::new(material, &mut self.textures));
         }
         number
     }

@@ -9,8 +9,11 @@ pub(super) struct Survey(FixedMap<SiteId, Facts>);
 
 #[derive(Clone, Copy, Default)]
 struct Facts {
-    /// Links to it, over all finished sites.
+    /// Links to it that were found.
     n_links: u32,
+    is_entered: bool,
+    /// Whether the rest is known.
+    is_known: bool,
     /// Things in it and below.
     n_items: u64,
     /// Whether something in it depends on where it stands: it turns to the eye, it is a line,
@@ -31,12 +34,18 @@ impl Survey {
     /// Whether a site that is finished had better be kept apart from where it stands.
     pub(super) fn is_shared(&self, site: SiteId) -> bool {
         let facts = self.0.get(&site).copied().unwrap_or_default();
-        facts.n_links > 1 && facts.n_items > Self::FEW && !facts.depends_on_place
+        facts.is_known && facts.n_links > 1 && facts.n_items > Self::FEW && !facts.depends_on_place
+    }
+
+    /// Whether a site is known to hold nothing that could be seen or could shine.
+    pub(super) fn is_empty(&self, site: SiteId) -> bool {
+        let facts = self.0.get(&site);
+        facts.is_some_and(|facts| facts.is_known && facts.n_items == 0 && !facts.depends_on_place)
     }
 
     /// Whether a site is known to look the same wherever it stands.
     pub(super) fn is_same_everywhere(&self, site: SiteId) -> bool {
-        self.0.get(&site).is_some_and(|facts| !facts.depends_on_place)
+        self.0.get(&site).is_some_and(|facts| facts.is_known && !facts.depends_on_place)
     }
 
     /// Looks at a site and everything below it, if it is finished; each site once.
@@ -45,21 +54,19 @@ impl Survey {
             return;
         }
         self.0.entry(site).or_default().n_links += 1;
-        if self.0[&site].n_links > 1 {
-            return;
-        }
-        // Each site is left after everything below it.
+        // Each site is left after everything below it: it is entered when it is met on the way
+        // down, not when it is found, so that nobody above is left before.
         let mut stack = vec![(site, false)];
         while let Some((site, is_left)) = stack.pop() {
-            let children = children(supply, site);
             if !is_left {
+                let facts = self.0.entry(site).or_default();
+                if std::mem::replace(&mut facts.is_entered, true) {
+                    continue;
+                }
                 stack.push((site, true));
-                for child in children {
-                    let facts = self.0.entry(child).or_default();
-                    facts.n_links += 1;
-                    if facts.n_links == 1 {
-                        stack.push((child, false));
-                    }
+                for child in children(supply, site) {
+                    self.0.entry(child).or_default().n_links += 1;
+                    stack.push((child, false));
                 }
                 continue;
             }
@@ -80,12 +87,13 @@ impl Survey {
                     | RenderNode::Deferred(_) => {}
                 }
             }
-            for child in children {
+            for child in children(supply, site) {
                 let below = self.0[&child];
                 n_items = n_items.saturating_add(below.n_items);
                 depends_on_place |= below.depends_on_place;
             }
             let facts = self.0.entry(site).or_default();
+            facts.is_known = true;
             (facts.n_items, facts.depends_on_place) = (n_items, depends_on_place);
         }
     }

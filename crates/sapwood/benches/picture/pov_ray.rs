@@ -28,7 +28,9 @@ pub(crate) fn compare(list: &DrawList, camera: &PlacedCamera, size: u32) {
     for n_threads in [1, 2] {
         let (Time { wall, .. }, told) = timed(|| run(&folder, &scene, size, n_threads));
         println!("{n_threads} threads: {:.3} s wall, reading included", wall.as_secs_f64());
-        for line in told.lines().filter(|line| line.contains(" Time:")) {
+        for line in
+            told.lines().filter(|line| line.contains("e Time:") || line.contains("Samples:"))
+        {
             println!("  {}", line.trim());
         }
     }
