@@ -117,6 +117,15 @@ mod tests {
     }
 
     #[test]
+    fn the_bamboos_trunks_do_not_stand_on_one_spot() {
+        let bamboo = built_in("bamboo").unwrap();
+        // Where tree-gen strews them.
+        let radius = (50.0 / 2.5 * bamboo.scale * bamboo.ratio).sqrt();
+        assert_eq!(bamboo.level[0].branches, 50);
+        assert!((bamboo.level[0].branch_dist - radius).abs() < 1e-3);
+    }
+
+    #[test]
     fn names_are_found_by_their_parts_and_by_their_spelling() {
         let check = |name, expected| assert_eq!(suggest(name), expected, "{name}");
         check("oak", Some("ca_black_oak"));
