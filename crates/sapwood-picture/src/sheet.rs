@@ -72,11 +72,12 @@ impl Sheet {
         let mut image = Image::from_fn(width, height, |_, _| paper.color);
         heading.write(title, gap, gap, paper.ink, &mut image);
         let pitch = pitch.map(|pixels| pixels as u32);
-        let cells = Cells { size: cell, pitch, start: [gap, top], columns, n: n_cells };
+        let start = [gap + (widest - cell[0]) / 2, top];
+        let cells = Cells { size: cell, pitch, start, columns, n: n_cells };
         for (number, text) in (0..).zip(captions) {
             let [left, top] = cells.corner(number);
             // In the middle below the picture.
-            let left = left + cell[0].saturating_sub(caption.width(text)) / 2;
+            let left = left + cell[0] / 2 - caption.width(text) / 2;
             caption.write(text, left, top + cell[1], paper.ink, &mut image);
         }
         Some(Self { image, cells })
