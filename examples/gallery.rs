@@ -1,0 +1,75 @@
+//! A picture of every built-in species, and all of them on one sheet, each in the same light.
+//!
+//! `cargo run --release --example gallery` writes them at full size to `docs/gallery`, where
+//! `docs/gallery.md` shows them; with a folder as its argument it writes small ones there.
+
+use std::error::Error;
+use std::ops::ControlFlow;
+use std::path::{Path, PathBuf};
+
+use sapwood::geom::Image;
+use sapwood::geom::glam::Vec3;
+use sapwood::graph::Lens;
+use sapwood::picture::{Ground, Paper, Picture, PictureOptions, PlacedCamera, Sheet, Studio, Sun};
+use sapwood::rules::weber_penn::{Seed, Tree};
+use sapwood::scene::{Scene, Viewer};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let folder = std::env::args_os().nth(1).map(PathBuf::from);
+    // Leaves are hard to compress: a picture of this size stays below 200 KB.
+    let (size, samples) = if folder.is_none() { ([360, 448], 32) } else { ([48, 60], 2) };
+    let full = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/gallery");
+    let folder = folder.unwrap_or(full);
+    std::fs::create_dir_all(&folder)?;
+
+    let names: Vec<String> = sapwood::io::built_in_names().map(str::to_owned).collect();
+    let cell = size.map(|pixels| pixels / 4);
+    let sheet = Sheet::new("", &names, cell, Paper::default());
+    let mut sheet = sheet.ok_or("a sheet for so many pictures is too large")?;
+    for (number, name) in (0..).zip(&names) {
+        let Picture { image, rays, .. } = picture(name, size, samples)?;
+        sheet.put(number, &quarter(&image));
+        let path = folder.join(format!("{name}.png"));
+        sapwood::io::write_png(&path, &image)?;
+        println!("{}: {} rays through pixels", path.display(), rays.primary);
+    }
+    let path = folder.join("species.png");
+    sapwood::io::write_png(&path, sheet.image())?;
+    println!("{}: {} species", path.display(), names.len());
+    Ok(())
+}
+
+/// One individual on the ground, seen from in front.
+fn picture(name: &str, size: [u32; 2], samples: u32) -> Result<Picture, Box<dyn Error>> {
+    let mut scene = Scene::new();
+    let species = scene.add(sapwood::io::find_species(name)?.attribute());
+    scene.add_to(species, Tree { seed: Seed::Explicit(1) })?;
+    let view = scene.open_view(species, &sapwood::standard_rules())?;
+
+    // What would be below the ground is not seen.
+    let mut bounds = scene.bounds(view)?.aabb;
+    bounds.min.y = bounds.min.y.max(0.0);
+    let lens = Lens::Perspective { vertical_angle: 0.4 };
+    let camera = PlacedCamera::fit(&bounds, Vec3::new(0.0, 0.07, 1.0), lens, size, 0.06)?;
+    // A bright sun behind whoever looks: crowns are dark by nature.
+    let sun = Sun { toward: Vec3::new(-0.5, 0.7, 0.8), color: [4.8, 4.4, 3.9], radius: 0.03 };
+    let ground = Ground { height: 0.0, color: [0.19, 0.19, 0.11] };
+    let (sun, ground) = (Some(sun), Some(ground));
+    let options = PictureOptions { size, samples, sun, ground, ..PictureOptions::default() };
+    scene.set_moving::<Viewer>(view, Some(camera.eye()))?;
+    let mut supply = scene.supply(view)?;
+    let mut go_on = |_: &_| ControlFlow::Continue(());
+    Ok(Studio::new(&mut supply).picture(&camera, &options, &mut go_on)?)
+}
+
+/// The picture at a quarter of its size: the mean of sixteen pixels each.
+fn quarter(image: &Image) -> Image {
+    Image::from_fn(image.width / 4, image.height / 4, |x, y| {
+        let at = |i: u32| (4 * y + i / 4) * image.width + 4 * x + i % 4;
+        let mean = |channel: usize| {
+            let sum: u32 = (0..16).map(|i| u32::from(image.pixels[at(i) as usize][channel])).sum();
+            (sum / 16) as u8
+        };
+        [0, 1, 2, 3].map(mean)
+    })
+}
