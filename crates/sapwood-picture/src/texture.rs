@@ -74,26 +74,63 @@ impl Texture {
             0 => &*self.image,
             level => &self.smaller[level - 1],
         };
-        let (width, height) = (image.width, image.height);
-        // Only the part behind the point counts, for images repeat.
-        let place = |coordinate: f32, n: u32| {
-            let coordinate = coordinate - coordinate.floor();
-            let place = coordinate * n as f32 - 0.5;
-            let first = place.floor();
-            let after = place - first;
-            let first = (first + n as f32) as u32 % n;
-            (first, (first + 1) % n, after)
-        };
-        let (left, right, to_right) = place(uv.x, width);
-        let (top, bottom, to_bottom) = place(uv.y, height);
-        let pixel = |x: u32, y: u32| {
-            let [r, g, b, a] = image.pixels[(y * width + x) as usize];
+        let pixel = |pixel: usize| {
+            let [r, g, b, a] = image.pixels[pixel];
             let value = |byte: u8| self.values[usize::from(byte)];
             Vec4::new(value(r), value(g), value(b), f32::from(a) / 255.0)
         };
-        let above = pixel(left, top).lerp(pixel(right, top), to_right);
-        above.lerp(pixel(left, bottom).lerp(pixel(right, bottom), to_right), to_bottom)
+        let Around { pixels: [a, b, c, d], to_right, to_bottom } = Around::new(image, uv);
+        pixel(a).lerp(pixel(b), to_right).lerp(pixel(c).lerp(pixel(d), to_right), to_bottom)
     }
+
+    /// How much is covered at a texture coordinate, seen from near.
+    #[inline]
+    pub(crate) fn coverage(&self, uv: Vec2) -> f32 {
+        let Around { pixels, to_right, to_bottom } = Around::new(&self.image, uv);
+        let [a, b, c, d] = pixels.map(|pixel| f32::from(self.image.pixels[pixel][3]));
+        let (above, below) = (a + (b - a) * to_right, c + (d - c) * to_right);
+        (above + (below - above) * to_bottom) / 255.0
+    }
+}
+
+/// The four pixels around a texture coordinate: two, and the two below them.
+struct Around {
+    pixels: [usize; 4],
+    /// How far it is from the left ones to the right ones.
+    to_right: f32,
+    /// How far it is from the upper ones to the lower ones.
+    to_bottom: f32,
+}
+
+impl Around {
+    #[inline]
+    fn new(image: &Image, uv: Vec2) -> Self {
+        let (left, right, to_right) = beside(uv.x, image.width);
+        let (top, bottom, to_bottom) = beside(uv.y, image.height);
+        let width = image.width as usize;
+        let pixels = [
+            top * width + left,
+            top * width + right,
+            bottom * width + left,
+            bottom * width + right,
+        ];
+        Self { pixels, to_right, to_bottom }
+    }
+}
+
+/// The pixels of a row of `n` on both sides of a coordinate, and how far it is from the one to the
+/// other.
+#[inline]
+fn beside(coordinate: f32, n: u32) -> (usize, usize, f32) {
+    // Only the part behind the point counts, for images repeat. Cutting off is one instruction;
+    // what is too large for it has no such part.
+    let part = coordinate - coordinate as i32 as f32;
+    let part = if part < 0.0 { part + 1.0 } else { part };
+    let place = part * n as f32 - 0.5;
+    let place = if place < 0.0 { place + n as f32 } else { place };
+    let first = (place as u32).min(n - 1);
+    let next = if first + 1 == n { 0 } else { first + 1 };
+    (first as usize, next as usize, (place - first as f32).clamp(0.0, 1.0))
 }
 
 /// The image at half its size; each pixel is the mean of four, as far as they are there. Colours
@@ -141,6 +178,8 @@ mod tests {
         for turn in [-1.0, 0.0, 5.0] {
             assert!((at(0.375 + turn, 0.25).x - 0.2).abs() < 1e-5);
             assert!((at(0.5 + turn, 0.5).x - 0.3).abs() < 1e-5);
+            assert_eq!(texture.coverage(Vec2::new(0.1, 1e30)), 1.0);
+            assert!(texture.at(Vec2::new(f32::MIN, 3e9), 1e30).is_finite());
             // Between the last and the first.
             assert!((at(turn, 0.25).x - 0.3).abs() < 1e-5);
         }

@@ -60,7 +60,7 @@ impl Look {
             // So that what has no coverage at all is never there.
             Alpha::Blend => chance.max(f32::MIN_POSITIVE),
         };
-        let image = self.base_color.as_ref().map_or(1.0, |image| image.at(uv, 0.0).w);
+        let image = self.base_color.as_ref().map_or(1.0, |image| image.coverage(uv));
         self.material.base_color[3] * image >= least
     }
 
