@@ -24,6 +24,10 @@ const MOST_PIXELS: u64 = 1 << 28;
 /// blocks of at least one bit. What claims more has lost its end.
 const PIXELS_PER_BYTE: u64 = 512;
 
+/// Deflate packs no more bytes than this into one: two bits, a length and a distance, stand for at
+/// most 258 bytes. A PNG that claims more has lost its end.
+const INFLATED_PER_BYTE: u64 = 1032;
+
 /// Reads the image at `path`, a PNG or a JPEG of any kind, as eight bits for each channel.
 ///
 /// # Errors
@@ -119,7 +123,13 @@ impl<'a> Raster<'a> {
         let format = Format::Png;
         let mut decoder = png::Decoder::new(Cursor::new(bytes));
         let info = decoder.read_header_info().map_err(|error| format.fault(error))?;
-        Ok(Self { bytes, format, width: info.width, height: info.height })
+        let raster = Self { bytes, format, width: info.width, height: info.height };
+        // In 128 bits, which any size that the header has room for fits.
+        let inflated = u128::from(raster.n_pixels()) * info.bits_per_pixel() as u128 / 8;
+        if inflated / u128::from(INFLATED_PER_BYTE) > bytes.len() as u128 {
+            return Err(raster.too_short());
+        }
+        Ok(raster)
     }
 
     fn jpeg(bytes: &'a [u8]) -> Result<Self, NoImage> {
@@ -130,10 +140,14 @@ impl<'a> Raster<'a> {
         // The format counts in 16 bits.
         let raster = Self { bytes, format, width: width as u32, height: height as u32 };
         if raster.n_pixels() / PIXELS_PER_BYTE > bytes.len() as u64 {
-            let n = bytes.len();
-            return Err(format.fault(format!("{n} bytes cannot hold {width} x {height} pixels")));
+            return Err(raster.too_short());
         }
         Ok(raster)
+    }
+
+    fn too_short(&self) -> NoImage {
+        let (n, width, height) = (self.bytes.len(), self.width, self.height);
+        self.format.fault(format!("{n} bytes cannot hold {width} x {height} pixels"))
     }
 
     pub(crate) fn n_pixels(&self) -> u64 {
@@ -173,10 +187,14 @@ impl<'a> Raster<'a> {
         if expected == pixels.len() * 4 {
             reader.next_frame(pixels.as_flattened_mut()).map_err(|error| error.to_string())?;
         } else {
-            let mut grey = vec![[0; 2]; pixels.len()];
-            reader.next_frame(grey.as_flattened_mut()).map_err(|error| error.to_string())?;
-            for (pixel, [grey, coverage]) in pixels.iter_mut().zip(grey) {
-                *pixel = [grey, grey, grey, coverage];
+            // They go into the last half and are spread from the front, which never catches up
+            // with what is still to be read: a large image takes its own size and no more.
+            let bytes = pixels.as_flattened_mut();
+            let half = bytes.len() / 2;
+            reader.next_frame(&mut bytes[half..]).map_err(|error| error.to_string())?;
+            for i in 0..half / 2 {
+                let (grey, coverage) = (bytes[half + 2 * i], bytes[half + 2 * i + 1]);
+                bytes[4 * i..4 * i + 4].copy_from_slice(&[grey, grey, grey, coverage]);
             }
         }
         Ok(pixels)
@@ -267,7 +285,46 @@ mod tests {
         let sum = check_sum(&bytes[12..29]);
         bytes[29..33].copy_from_slice(&sum.to_be_bytes());
         let error = image_of(&bytes).unwrap_err().to_string();
+        let n = bytes.len();
+        let told = format!("not valid PNG: {n} bytes cannot hold 65536 x 65536 pixels");
+        assert_eq!(error, format!("{told} (accepted: a PNG or JPEG image)"));
+        // With as many bytes as it would take, it is refused for its size.
+        bytes.resize((1 << 32) / 1032, 0);
+        let error = image_of(&bytes).unwrap_err().to_string();
         assert_eq!(error, "the image: 4294967296 pixels; at most 268435456 are read");
+        bytes.pop();
+        assert!(image_of(&bytes).unwrap_err().to_string().starts_with("not valid PNG: "));
+    }
+
+    #[test]
+    fn the_most_tightly_packed_png_is_read() {
+        for (color, depth, row) in [
+            (png::ColorType::Grayscale, png::BitDepth::One, 512),
+            (png::ColorType::Grayscale, png::BitDepth::Eight, 4096),
+            (png::ColorType::Rgba, png::BitDepth::Sixteen, 32_768),
+        ] {
+            let mut bytes = Vec::new();
+            let mut encoder = png::Encoder::new(&mut bytes, 4096, 512);
+            encoder.set_color(color);
+            encoder.set_depth(depth);
+            encoder.set_compression(png::Compression::High);
+            encoder.set_filter(png::Filter::NoFilter);
+            let data = vec![0; row * 512];
+            encoder.write_header().unwrap().write_image_data(&data).unwrap();
+            let image = image_of(&bytes).unwrap();
+            assert_eq!((image.width, image.height), (4096, 512), "{color:?} {depth:?}");
+        }
+    }
+
+    #[test]
+    fn grey_pixels_stay_in_their_order() {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, 7, 3);
+        encoder.set_color(png::ColorType::GrayscaleAlpha);
+        let data: Vec<u8> = (0..42).collect();
+        encoder.write_header().unwrap().write_image_data(&data).unwrap();
+        let expected: Vec<_> = (0..21).map(|i| [2 * i, 2 * i, 2 * i, 2 * i + 1]).collect();
+        assert_eq!(image_of(&bytes).unwrap().pixels, expected);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! References: what stands at a URI of a glTF file. Nothing outside the file's folder is opened.
 
+use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::{Component, Path, PathBuf};
@@ -19,6 +20,7 @@ pub(super) struct Folder {
     path: Option<PathBuf>,
     limit: u64,
     left: u64,
+    files: BTreeSet<PathBuf>,
 }
 
 impl Folder {
@@ -30,7 +32,7 @@ impl Folder {
             _ => Path::new("."),
         });
         let path = folder.and_then(|folder| folder.canonicalize().ok());
-        Self { path, limit, left: limit.saturating_sub(read) }
+        Self { path, limit, left: limit.saturating_sub(read), files: BTreeSet::new() }
     }
 
     /// The bytes that `uri`, which stands at the place `at`, refers to.
@@ -41,6 +43,11 @@ impl Folder {
         };
         self.left -= bytes.len() as u64;
         Ok(bytes)
+    }
+
+    /// The files that were read, each once, with no symbolic links in their paths.
+    pub(super) fn into_files(self) -> BTreeSet<PathBuf> {
+        self.files
     }
 
     fn data(&self, uri: &str, at: &str) -> Result<Vec<u8>, Error> {
@@ -56,7 +63,7 @@ impl Folder {
         }
     }
 
-    fn file(&self, uri: &str, at: &str) -> Result<Vec<u8>, Error> {
+    fn file(&mut self, uri: &str, at: &str) -> Result<Vec<u8>, Error> {
         let Some(folder) = &self.path else {
             return Err(invalid(at, "the model has no folder", "a data URI"));
         };
@@ -80,10 +87,11 @@ impl Folder {
         let mut bytes = Vec::with_capacity(metadata.len() as usize);
         let file = File::open(&path).map_err(unreadable)?;
         file.take(self.left + 1).read_to_end(&mut bytes).map_err(unreadable)?;
-        match bytes.len() as u64 <= self.left {
-            true => Ok(bytes),
-            false => Err(self.over(at, bytes.len() as u64)),
+        if bytes.len() as u64 > self.left {
+            return Err(self.over(at, bytes.len() as u64));
         }
+        self.files.insert(path);
+        Ok(bytes)
     }
 
     fn over(&self, at: &str, more: u64) -> Error {

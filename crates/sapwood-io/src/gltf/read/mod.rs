@@ -192,9 +192,11 @@ fn read(bytes: &[u8], path: Option<&Path>, limits: &ReadLimits) -> Result<Model,
     let lights = fixtures::lights(&document, &tree.lights.indices)?;
     let cameras = fixtures::cameras(&document, &tree.cameras.indices)?;
     let Tree { nodes, roots, .. } = tree;
-    let mut model = Model { nodes, roots, meshes, lights, cameras, warnings: Vec::new() };
+    let own = path.and_then(|path| path.canonicalize().ok());
+    let files = own.into_iter().chain(folder.into_files()).collect();
+    let warnings = warnings.into_lines();
+    let model = Model { nodes, roots, meshes, lights, cameras, warnings, files };
     refuse_infinity(&model)?;
-    model.warnings = warnings.into_lines();
     Ok(model)
 }
 

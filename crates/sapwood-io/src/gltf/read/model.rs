@@ -1,5 +1,7 @@
 //! Models: what a file holds as plain data, and how that gets into a scene.
 
+use std::path::PathBuf;
+
 use sapwood_geom::Shared;
 use sapwood_geom::glam::Affine3;
 use sapwood_graph::{Camera, Light};
@@ -24,6 +26,9 @@ pub struct Model {
     /// What the file has that is not drawn, or is drawn otherwise than it should be: a line for
     /// each kind, with the first place.
     pub warnings: Vec<String>,
+    /// The files that were read: the model's own, then those that it refers to, each once and in
+    /// the order of their paths. The paths are absolute, with no symbolic links in them.
+    pub files: Vec<PathBuf>,
 }
 
 /// A place in a model and what is there.
