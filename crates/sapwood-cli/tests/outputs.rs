@@ -52,7 +52,11 @@ fn every_format_is_written_from_one_tree() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     let table = says(at, "grow quaking_aspen -o t.glb -o t.gltf -o t.obj -o t.svg");
-    assert_eq!(files(at), ["t.bin", "t.glb", "t.gltf", "t.mtl", "t.obj", "t.svg"]);
+    // Images of bark and leaves lie beside the OBJ file and inside the others.
+    let (images, others): (Vec<_>, Vec<_>) =
+        files(at).into_iter().partition(|name| name.ends_with(".png"));
+    assert_eq!(others, ["t.bin", "t.glb", "t.gltf", "t.mtl", "t.obj", "t.svg"]);
+    assert!(images.contains(&"t-1.png".to_owned()), "{images:?}");
     let steps = |name: &str| table.lines().filter(|line| line.starts_with(name)).count();
     // One compilation for each rule set, however many files.
     assert_eq!((steps("compile  "), steps("compile skeleton")), (1, 1), "{table}");
@@ -95,7 +99,7 @@ fn where_one_output_is_bad_none_is_written() {
         assert!(said.contains(expected), "{outputs}: {said}");
     };
     check("-o a.glb -o a.ply", 2, "accepted: names that end in .glb, .gltf, .obj, .svg or .png");
-    check("-o a.glb -o no/a.obj", 3, "no/a.mtl: cannot be written: there is no folder");
+    check("-o a.glb -o no/a.obj", 3, "no/a-1.png: cannot be written: there is no folder");
     check("-o a.glb -o a.obj -o ./a.glb", 2, "a.glb and ./a.glb would both be written to");
     check("-o a.gltf -o a.GLTF", 2, "a.bin; nothing was written");
     fs::create_dir(at.join("folder.svg")).unwrap();
@@ -223,7 +227,8 @@ fn a_second_interrupt_leaves_no_temporary_files() {
 /// Interrupts at many moments: each time all files are there or none, and nothing else.
 #[cfg(unix)]
 fn check_interrupts(interrupt: &str) {
-    let whole = ["t.bin", "t.glb", "t.gltf", "t.mtl", "t.obj"];
+    let images = ["t-1.png", "t-2.png", "t-3.png", "t-4.png", "t-5.png"];
+    let whole = [&images[..], &["t.bin", "t.glb", "t.gltf", "t.mtl", "t.obj"]].concat();
     let mut codes = Vec::new();
     for wait in (0..12).map(|step| 0.01 + 0.02 * f64::from(step)) {
         let folder = tempfile::tempdir().expect("the system has a folder for temporary files");
