@@ -33,6 +33,9 @@ Examples:
   sapwood grow apple -o turn.png --turntable 24 --samples 4 --transparent";
 
 const PICTURE_EXAMPLES: &str = "\
+Files are refused that hold more than 33,554,432 pixels in all images (such as 32 of 1024x1024),
+131,072 nodes or primitives, or 2,097,152 instances.
+
 Examples:
   sapwood picture tree.glb -o tree.png
   sapwood picture house.gltf --size 1920x1080 --samples 64 --ground -o house.png

@@ -12,6 +12,8 @@ use sapwood::scene::{EditError, ViewError};
 pub(crate) struct Failure {
     code: u8,
     lines: Vec<String>,
+    /// Of what there was more than a limit allows, if that is what failed.
+    exhausted: Option<&'static str>,
 }
 
 impl Failure {
@@ -22,15 +24,18 @@ impl Failure {
     /// What shells report of a program that an interrupt ended.
     pub(crate) const INTERRUPTED: u8 = 130;
 
+    fn new(code: u8, lines: Vec<String>) -> Self {
+        Self { code, lines, exhausted: None }
+    }
+
     /// Arguments that do not fit what they are meant for.
     pub(crate) fn usage(line: String) -> Self {
-        Self { code: Self::USAGE, lines: vec![line] }
+        Self::new(Self::USAGE, vec![line])
     }
 
     /// Somebody wanted the program to stop.
     pub(crate) fn interrupted() -> Self {
-        let line = "interrupted; nothing was written".to_owned();
-        Self { code: Self::INTERRUPTED, lines: vec![line] }
+        Self::new(Self::INTERRUPTED, vec!["interrupted; nothing was written".to_owned()])
     }
 
     /// Components that cannot be compiled, each with the links that lead to it.
@@ -39,7 +44,28 @@ impl Failure {
             let links: String = path.iter().map(|link| format!("/{link}")).collect();
             format!("{diagnostic} (at {links})")
         };
-        Self { code: Self::INPUT, lines: found.iter().map(line).collect() }
+        Self::new(Self::INPUT, found.iter().map(line).collect())
+    }
+
+    /// The same of a model that was read: nothing grows there, so other advice helps.
+    pub(crate) fn of_model(self) -> Self {
+        let Some(what) = self.exhausted else { return self };
+        self.advised(match what {
+            "shared parts along one ray" => {
+                "draw a model in which fewer instances of nodes and meshes overlap"
+            }
+            "triangles" => "draw a model of fewer triangles",
+            _ => "draw a model of fewer nodes, primitives and instances",
+        })
+    }
+
+    /// A budget's failure with this advice and no other.
+    fn advised(mut self, advice: &str) -> Self {
+        for line in &mut self.lines {
+            line.truncate(line.find(';').unwrap_or(line.len()));
+            line.push_str(&format!("; {advice}; nothing was written"));
+        }
+        self
     }
 
     /// Both failures in one, under the exit code of the first.
@@ -63,7 +89,7 @@ impl From<sapwood::io::Error> for Failure {
             return Self::interrupted();
         }
         let code = if error.is_write() { Self::OUTPUT } else { Self::INPUT };
-        Self { code, lines: error.all().map(|error| error.line().to_string()).collect() }
+        Self::new(code, error.all().map(|error| error.line().to_string()).collect())
     }
 }
 
@@ -75,17 +101,16 @@ impl From<ViewError> for Failure {
         }
         let ViewError::Interrupted(Interrupted::Exhausted { what, limit, component }) = error
         else {
-            return Self { code: Self::INPUT, lines: vec![error.to_string()] };
-        };
-        let advice = match what {
-            "triangles" => "allow more with --max-triangles, or grow fewer --levels",
-            _ => "grow fewer --levels, or lower the species' numbers of branches and leaves",
+            return Self::new(Self::INPUT, vec![error.to_string()]);
         };
         let line = format!(
             "this takes more than {limit} {what}, the limit, which was met in a component of \
-             kind {component}; {advice}; nothing was written"
+             kind {component}"
         );
-        Self { code: Self::BUDGET, lines: vec![line] }
+        Self { code: Self::BUDGET, lines: vec![line], exhausted: Some(what) }.advised(match what {
+            "triangles" => "allow more with --max-triangles, or grow fewer --levels",
+            _ => "grow fewer --levels, or lower the species' numbers of branches and leaves",
+        })
     }
 }
 
@@ -95,14 +120,14 @@ impl From<PictureError> for Failure {
         match error {
             PictureError::Interrupted(why) => Self::from(ViewError::Interrupted(why)),
             PictureError::Option { .. } => Self::usage(error.to_string()),
-            _ => Self { code: Self::INPUT, lines: vec![error.to_string()] },
+            _ => Self::new(Self::INPUT, vec![error.to_string()]),
         }
     }
 }
 
 impl From<EditError> for Failure {
     fn from(error: EditError) -> Self {
-        Self { code: Self::INPUT, lines: vec![error.to_string()] }
+        Self::new(Self::INPUT, vec![error.to_string()])
     }
 }
 
@@ -113,7 +138,7 @@ impl From<clap::Error> for Failure {
         let Some(message) = text.strip_prefix("error: ") else {
             let code = if error.use_stderr() { Self::USAGE } else { 0 };
             return match error.print() {
-                Ok(()) => Self { code, lines: Vec::new() },
+                Ok(()) => Self::new(code, Vec::new()),
                 Err(error) => Self::from(error),
             };
         };
@@ -122,7 +147,7 @@ impl From<clap::Error> for Failure {
             |line: &&str| !line.starts_with("Usage:") && !line.starts_with("For more information");
         let lines = message.lines().map(str::trim).take_while(is_about_wrong);
         let lines: Vec<_> = lines.filter(|line| !line.is_empty()).collect();
-        Self { code: Self::USAGE, lines: vec![format!("{} (try --help)", lines.join(" "))] }
+        Self::new(Self::USAGE, vec![format!("{} (try --help)", lines.join(" "))])
     }
 }
 
@@ -131,9 +156,9 @@ impl From<io::Error> for Failure {
     fn from(error: io::Error) -> Self {
         // Whoever closed the pipe has read enough, as `head` does.
         if error.kind() == io::ErrorKind::BrokenPipe {
-            return Self { code: 0, lines: Vec::new() };
+            return Self::new(0, Vec::new());
         }
-        Self { code: Self::OUTPUT, lines: vec![format!("standard output: {error}")] }
+        Self::new(Self::OUTPUT, vec![format!("standard output: {error}")])
     }
 }
 
@@ -159,6 +184,41 @@ mod tests {
             &["species", "show"],
             "the following required arguments were not provided: <NAME|FILE> (try --help)",
         );
+    }
+
+    #[test]
+    fn advice_fits_what_is_drawn() {
+        let check = |what, grown: &str, read: &str| {
+            let failure = || {
+                let why = Interrupted::Exhausted { what, limit: 7, component: "group" };
+                Failure::from(PictureError::Interrupted(why))
+            };
+            for (failure, advice) in [(failure(), grown), (failure().of_model(), read)] {
+                let line = format!(
+                    "this takes more than 7 {what}, the limit, which was met in a component of \
+                     kind group; {advice}; nothing was written"
+                );
+                assert_eq!((failure.code, failure.lines), (4, vec![line]));
+            }
+        };
+        let grown = "grow fewer --levels, or lower the species' numbers of branches and leaves";
+        check(
+            "things in a picture",
+            grown,
+            "draw a model of fewer nodes, primitives and instances",
+        );
+        check(
+            "shared parts along one ray",
+            grown,
+            "draw a model in which fewer instances of nodes and meshes overlap",
+        );
+        check(
+            "triangles",
+            "allow more with --max-triangles, or grow fewer --levels",
+            "draw a model of fewer triangles",
+        );
+        let other = Failure::usage("a; b".to_owned()).of_model();
+        assert_eq!((other.code, other.lines), (2, vec!["a; b".to_owned()]));
     }
 
     #[test]

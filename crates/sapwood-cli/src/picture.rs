@@ -7,6 +7,7 @@ mod take;
 mod target;
 
 use std::io::Write;
+use std::path::PathBuf;
 use std::time::Instant;
 
 use sapwood::geom::Aabb;
@@ -26,6 +27,12 @@ use crate::watch::Watch;
 
 /// Components that cannot be compiled and are told of; more would drown the first.
 const MAX_DIAGNOSTICS: usize = 10;
+
+/// How much of a file is read. A small file may unfold to a lot; pixels take 128 MiB at most here,
+/// instances 96 MiB. The help tells these numbers.
+fn limits() -> ReadLimits {
+    ReadLimits { nodes: 1 << 17, instances: 1 << 21, pixels: 1 << 25, ..ReadLimits::default() }
+}
 
 /// What was drawn.
 struct Drawn {
@@ -68,7 +75,7 @@ pub(crate) fn run(
     watch: &Watch,
     out: &mut dyn Write,
 ) -> Result<(), Failure> {
-    let outcome = drawn(arguments, watch);
+    let outcome = drawn(arguments, watch).map_err(Failure::of_model);
     watch.done();
     let drawn = outcome?;
     if arguments.json {
@@ -110,10 +117,12 @@ fn drawn(arguments: &PictureCommand, watch: &Watch) -> Result<Drawn, Failure> {
     let start = Instant::now();
     let turns = arguments.turntable.turntable;
     let order = Order::new(&arguments.picture, turns, None)?;
-    check_not_read(arguments, turns)?;
+    let itself: Vec<_> = arguments.file.canonicalize().into_iter().collect();
+    check_not_read(arguments, turns, &itself)?;
     let output = &arguments.output.0;
     check_targets(names(output, turns))?;
-    let model = sapwood::io::read_gltf(&arguments.file, &ReadLimits::default())?;
+    let model = sapwood::io::read_gltf(&arguments.file, &limits())?;
+    check_not_read(arguments, turns, &model.files)?;
     watch.check()?;
     let mut scene = Scene::new();
     let root = model.add_to(&mut scene);
@@ -144,16 +153,22 @@ fn drawn(arguments: &PictureCommand, watch: &Watch) -> Result<Drawn, Failure> {
     Ok(Drawn { n_triangles, aabb, warnings, files: written, toll, seconds })
 }
 
-/// Refuses to write a picture to the file that is drawn.
-fn check_not_read(arguments: &PictureCommand, turns: Option<u32>) -> Result<(), Failure> {
-    let Ok(read) = arguments.file.canonicalize() else { return Ok(()) };
+/// Refuses to write a picture to the file that is drawn, or to one that it refers to; the paths in
+/// `read` are canonical.
+fn check_not_read(
+    arguments: &PictureCommand,
+    turns: Option<u32>,
+    read: &[PathBuf],
+) -> Result<(), Failure> {
     for path in names(&arguments.output.0, turns) {
-        if path.canonicalize().is_ok_and(|path| path == read) {
-            let path = path.display();
-            return Err(Failure::usage(format!(
-                "{path} is the file that is drawn; name another one"
-            )));
-        }
+        let Ok(real) = path.canonicalize() else { continue };
+        let path = path.display();
+        let line = match read.iter().position(|read| *read == real) {
+            None => continue,
+            Some(0) => format!("{path} is the file that is drawn; name another one"),
+            Some(_) => format!("{path} is read for the file that is drawn; name another one"),
+        };
+        return Err(Failure::usage(line));
     }
     Ok(())
 }

@@ -111,6 +111,7 @@ pub(crate) fn take(
         // Things may turn to the eye, so each camera has a studio of its own.
         scene.set_moving::<Viewer>(view, Some(camera.eye()))?;
         let start = Instant::now();
+        tracing::info!(picture = n_before + number, "drawing");
         let mut supply = scene.supply(view)?;
         let Picture { image, rays, .. } =
             Studio::new(&mut supply).picture(&camera, &options, &mut |progress| {
