@@ -328,7 +328,7 @@ fn fails_in_little(folder: &Path, line: &str, code: i32) -> String {
 fn write_textured(folder: &Path, name: &str, image: &str) {
     let positions = [0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
     let bytes: Vec<u8> = positions.iter().flat_map(|x| x.to_le_bytes()).collect();
-    fs::write(folder.join("model.bin"), bytes).unwrap();
+    fs::write(folder.join("model.bin"), bytes).expect("the folder is there");
     let document = serde_json::json!({
         "asset": { "version": "2.0" },
         "scene": 0, "scenes": [{ "nodes": [0] }], "nodes": [{ "mesh": 0 }],
@@ -345,7 +345,7 @@ fn write_textured(folder: &Path, name: &str, image: &str) {
             { "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC2" },
         ],
     });
-    fs::write(folder.join(name), document.to_string()).unwrap();
+    fs::write(folder.join(name), document.to_string()).expect("the folder is there");
 }
 
 #[test]

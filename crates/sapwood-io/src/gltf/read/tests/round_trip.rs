@@ -112,7 +112,8 @@ fn trees_are_read_as_they_were_written() {
         let mut scene = Scene::new();
         let top = scene.add(crate::built_in(name).unwrap().attribute());
         scene.add_to(top, Tree { seed: Seed::Explicit(3) }).unwrap();
-        let view = scene.open_view(top, &weber_penn::full().over(&built_in_rules())).unwrap();
+        let rules = sapwood_images::rules().over(&built_in_rules());
+        let view = scene.open_view(top, &weber_penn::full().over(&rules)).unwrap();
         let list = scene.draw_list(view, 10_000).unwrap();
         let before = drawn(&list);
         assert!(before.materials.len() >= 2 || name == "palm", "{}", before.materials.len());
