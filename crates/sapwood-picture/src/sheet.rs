@@ -167,7 +167,8 @@ mod tests {
         check(12, [300, 300], 4);
         check(16, [240, 300], 6);
         check(7, [300, 300], 4);
-        check(100, [10, 10], 12);
+        // Captions are wider than such small pictures.
+        check(100, [10, 10], 15);
     }
 
     #[test]
