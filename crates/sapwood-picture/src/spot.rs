@@ -69,7 +69,7 @@ impl Spot {
                 let smooth = (smooth * side).normalize_or(normal);
                 let shading_normal = matter
                     .normal
-                    .and_then(|told| bumped(told, smooth, side, &points, &uvs))
+                    .and_then(|told| bumped(told, smooth, &points, &uvs))
                     .unwrap_or(smooth);
                 let smooth_point = smooth_point(point, &points, &normals, w, side);
                 let clearance =
@@ -111,13 +111,7 @@ fn matte(color: [f32; 3]) -> Matter {
 
 /// The normal that an image tells of, in the root's frame; nothing where texture coordinates do
 /// not tell how the image lies.
-fn bumped(
-    told: Vec3,
-    normal: Vec3,
-    side: f32,
-    points: &[Vec3; 3],
-    uvs: &[Vec2; 3],
-) -> Option<Vec3> {
+fn bumped(told: Vec3, normal: Vec3, points: &[Vec3; 3], uvs: &[Vec2; 3]) -> Option<Vec3> {
     let (edge_1, edge_2) = (points[1] - points[0], points[2] - points[0]);
     let (uv_1, uv_2) = (uvs[1] - uvs[0], uvs[2] - uvs[0]);
     let area = uv_1.perp_dot(uv_2);
@@ -130,7 +124,7 @@ fn bumped(
     let tangent = (along_u - normal * normal.dot(along_u)).try_normalize()?;
     let upward = normal.cross(tangent);
     let upward = if upward.dot(along_v) < 0.0 { -upward } else { upward };
-    let bumped = tangent * told.x + upward * told.y + normal * (side * side * told.z);
+    let bumped = tangent * told.x + upward * told.y + normal * told.z;
     bumped.try_normalize()
 }
 

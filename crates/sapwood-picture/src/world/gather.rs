@@ -2,7 +2,7 @@
 
 use sapwood_geom::glam::Affine3;
 use sapwood_geom::{FixedSet, SharedMesh, fixed_state};
-use sapwood_graph::{EnvId, Interrupted, PlanRef, RenderNode, Run, SiteId, Supplied, Supply};
+use sapwood_graph::{EnvId, Interrupted, RenderNode, Run, SiteId, Supplied, Supply};
 
 use super::{Cluster, Item, LinePiece, MOST_ITEMS, PlacedLight, Surface, Wait, World};
 
@@ -137,7 +137,7 @@ impl<'a> Gather<'a> {
                     continue;
                 }
                 RenderNode::Deferred(run) => {
-                    self.approach(&plan, run, here, &frame, cluster, task, items);
+                    self.approach(run, here, &frame, cluster, task, items);
                     continue;
                 }
             };
@@ -216,10 +216,8 @@ impl<'a> Gather<'a> {
 
     /// Goes on to the children of a run, notes clusters for those that are to have one, and waits
     /// for those that are not compiled.
-    #[expect(clippy::too_many_arguments, reason = "a step of a walk, with all that it pushed")]
     fn approach(
         &mut self,
-        plan: &PlanRef<'_>,
         run: Run<'_>,
         here: &Here,
         frame: &Affine3,
@@ -227,7 +225,6 @@ impl<'a> Gather<'a> {
         task: &Task,
         items: &mut Vec<Item>,
     ) {
-        debug_assert!(run.first + run.count <= plan.fragment.n_links());
         let is_finished = self.supply.is_settled(here.site);
         for link in run.first..run.first + run.count {
             let (env, supplied) = self.supply.enter(here.env, here.site, link);
