@@ -3,6 +3,7 @@
 //! Building them is the work of the crate `obvhs`; going along a ray is done here, so that no
 //! depth of tree overflows a stack, and so that what is met does not depend on the tree's shape.
 
+mod descend;
 mod wide;
 
 use glam::Vec3A;

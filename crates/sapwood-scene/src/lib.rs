@@ -40,11 +40,13 @@ pub use log::{Action, Event};
 #[cfg(feature = "planted-faults")]
 pub use planted_fault::PlantedFault;
 pub use rules::{Budget, CancelToken, Context, Rule, RuleError, RuleSet, VisitContext};
+/// How something stands towards a region: what [`SideOfBox`] tells.
+pub use sapwood_geom::Side;
 pub use scene::Scene;
 pub use semantic::{Children, Component, EditError, Handle, NodeId, Question};
 pub use slots::{
     Cell, ChildPath, Choice, DistanceBand, Held, MaterialSlot, Moving, Placement, Projection,
-    PushMode, Rate, Side, SideOfBox, Slot, SlotReader, Style, StyleSlot, SwitchedOn, Time, Viewer,
+    PushMode, Rate, SideOfBox, Slot, SlotReader, Style, StyleSlot, SwitchedOn, Time, Viewer,
     Viewpoint,
 };
 pub use view::ViewId;

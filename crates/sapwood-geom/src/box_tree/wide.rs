@@ -1,13 +1,16 @@
 //! Nodes of four boxes, so that a ray meets or misses four in one go.
 
+use std::ops::Range;
+
+use glam::Vec3;
 use obvhs::bvh2::node::Bvh2Node;
 use smallvec::SmallVec;
 use wide::f32x4;
 
-use crate::Ray32;
+use crate::{Aabb, Ray32};
 
 /// Boxes that a node holds.
-const WIDTH: usize = 4;
+pub(super) const WIDTH: usize = 4;
 
 /// Set in a child that is a leaf: the place of its first item and, below, how many it has.
 const LEAF: u32 = 1 << 31;
@@ -75,6 +78,41 @@ impl WideNode {
         }
         self.children[lane] = child;
     }
+
+    /// The box at one of the four places.
+    pub(super) fn aabb(&self, lane: usize) -> Aabb {
+        let side = |i: usize| self.sides[i].as_array()[lane];
+        let [min, max] = [0, 3].map(|i| Vec3::new(side(i), side(i + 1), side(i + 2)));
+        Aabb { min, max }
+    }
+
+    /// What is in the box at one of the four places.
+    pub(super) fn child(&self, lane: usize) -> Child {
+        let child = self.children[lane];
+        if child & LEAF != 0 {
+            let (first, count) = items(child);
+            Child::Items(first as usize..(first + count) as usize)
+        } else if child == 0 {
+            // The first node is the root and below no other.
+            Child::Nothing
+        } else {
+            Child::Node(child)
+        }
+    }
+}
+
+/// What is in one of a node's boxes.
+pub(super) enum Child {
+    Nothing,
+    Node(u32),
+    /// The places of things in the order of the tree's leaves.
+    Items(Range<usize>),
+}
+
+/// The place of a leaf's first item, and how many it has.
+#[inline]
+fn items(leaf: u32) -> (u32, u32) {
+    ((leaf & !LEAF) >> COUNT_BITS, leaf & ((1 << COUNT_BITS) - 1))
 }
 
 /// Calls `each` with the place of every item in whose leaf's box the ray is before `reach`, roughly
@@ -100,7 +138,7 @@ pub(super) fn along(
             continue;
         }
         if child & LEAF != 0 {
-            let (first, count) = ((child & !LEAF) >> COUNT_BITS, child & ((1 << COUNT_BITS) - 1));
+            let (first, count) = items(child);
             for place in first..first + count {
                 reach = each(place);
             }

@@ -13,7 +13,7 @@ pub use built_in::{
     Viewpoint,
 };
 pub(crate) use environment::{Environments, ForcedSlots, LinkFacts, LinkPushes, Pushed};
-pub use places::{Cell, DistanceBand, Side, SideOfBox};
+pub use places::{Cell, DistanceBand, SideOfBox};
 pub use projection::Projection;
 pub(crate) use projection::{Memory, PANICKED, ProjectionKey};
 pub use push::PushMode;

@@ -1,7 +1,7 @@
 //! Projections of where a component stands.
 
 use sapwood_geom::glam::Vec3;
-use sapwood_geom::{Aabb, Content, Digester, content};
+use sapwood_geom::{Aabb, Content, Digester, Side, content};
 
 use super::{Placement, Projection, SlotReader, Viewpoint};
 
@@ -67,23 +67,6 @@ impl Projection for Cell {
         let origin = slots.read::<Placement>().translation;
         // Whatever lies beyond what an i32 can number stands in the outermost cell.
         (origin / self.size).floor().to_array().map(|number| number as i32)
-    }
-}
-
-/// How something stands towards a region.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Side {
-    /// Wholly inside.
-    Inside,
-    /// Neither wholly inside nor wholly outside.
-    Crossing,
-    /// Wholly outside.
-    Outside,
-}
-
-impl Content for Side {
-    fn write(&self, digester: &mut Digester) {
-        digester.add(&(*self as u8));
     }
 }
 
