@@ -167,6 +167,17 @@ pub enum ErrorKind {
         /// The most that is read.
         limit: u64,
     },
+    /// A model whose meshes and instances take far more memory than its files are long.
+    Unfolds {
+        /// Where that shows, as in [`Invalid`](Self::Invalid).
+        at: String,
+        /// The bytes that they would take.
+        bytes: u64,
+        /// The most that files of this length may take.
+        limit: u64,
+        /// How many bytes were read.
+        n_read: u64,
+    },
     /// A model that cannot be read without an extension of glTF that is not known here.
     UnknownExtension {
         /// Its name.
@@ -371,6 +382,11 @@ impl fmt::Display for ErrorKind {
             Self::OverLimit { at, found, what, limit } => {
                 write!(f, "{at}: {found} {what}; at most {limit} are read")
             }
+            Self::Unfolds { at, bytes, limit, n_read } => write!(
+                f,
+                "{at}: meshes and instances take {bytes} bytes of memory; at most {limit} are \
+                 given to {n_read} bytes of files"
+            ),
             Self::UnknownExtension { name } => {
                 write!(f, "cannot be read without the extension {name}, which is not known")
             }

@@ -197,8 +197,17 @@ impl<'b> Elements<'b> {
         &self.at
     }
 
-    /// Reads vectors of `N` numbers, as many as were wanted.
-    pub(super) fn floats<const N: usize>(&self) -> Result<Vec<[f32; N]>, Error> {
+    /// Whether some of them stand for others.
+    pub(super) fn is_sparse(&self) -> bool {
+        self.sparse.is_some()
+    }
+
+    /// Reads vectors of `N` numbers, as many as were wanted: all of them, or those with the rising
+    /// numbers `chosen`, which are there.
+    pub(super) fn floats<const N: usize>(
+        &self,
+        chosen: Option<&[u32]>,
+    ) -> Result<Vec<[f32; N]>, Error> {
         let size = self.component.size();
         let read = |bytes: &[u8]| {
             let mut vector = [0.0; N];
@@ -207,7 +216,17 @@ impl<'b> Elements<'b> {
             }
             vector
         };
-        self.read([0.0; N], N * size, read)
+        let Some(chosen) = chosen else { return self.read([0.0; N], N * size, read) };
+        if self.is_sparse() {
+            let all = self.read([0.0; N], N * size, read)?;
+            return Ok(chosen.iter().map(|i| all[*i as usize]).collect());
+        }
+        Ok(match &self.dense {
+            Some(dense) => {
+                chosen.iter().map(|i| read(dense.element(*i as usize, N * size))).collect()
+            }
+            None => vec![[0.0; N]; chosen.len()],
+        })
     }
 
     /// Reads whole numbers.

@@ -45,6 +45,11 @@ impl Folder {
         Ok(bytes)
     }
 
+    /// How many bytes were read, those of the model itself included.
+    pub(super) fn n_read(&self) -> u64 {
+        self.limit - self.left
+    }
+
     /// The files that were read, each once, with no symbolic links in their paths.
     pub(super) fn into_files(self) -> BTreeSet<PathBuf> {
         self.files

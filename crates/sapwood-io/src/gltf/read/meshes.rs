@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use sapwood_geom::{FixedMap, SharedMesh, fixed_state};
+use sapwood_geom::{FixedMap, FixedSet, SharedMesh, fixed_state};
 use sapwood_scene::HeldGeometry;
 
 use super::ReadLimits;
@@ -11,6 +11,7 @@ use super::document::{List, parsed};
 use super::materials::Look;
 use super::primitives::{Primitive, UvUse};
 use super::schema;
+use super::unfolding::{TRIANGLE, Unfolding, VERTEX};
 use super::warnings::Warnings;
 use crate::{Error, ErrorKind};
 
@@ -41,25 +42,40 @@ impl Sizes {
 }
 
 /// Looks at all meshes in `used` and notes their materials in `materials`, with `None` for the
-/// standard's own, and where each was met first.
+/// standard's own, and where each was met first. Gives back how many parts each mesh has.
 pub(super) fn look_at(
     buffers: &Buffers<'_>,
     used: &[usize],
     limits: &ReadLimits,
+    mut unfolding: Unfolding,
     materials: &mut Vec<(Option<usize>, String)>,
     warnings: &mut Warnings,
-) -> Result<(), Error> {
+) -> Result<Vec<u64>, Error> {
+    let mut n_parts = vec![0; used.len()];
+    let mut known = FixedSet::with_hasher(fixed_state());
     let mut sizes = Sizes::default();
     let mut seen: FixedMap<Option<usize>, ()> = FixedMap::with_hasher(fixed_state());
-    each_primitive(buffers, used, warnings, |_, raw, primitive, at| {
+    each_primitive(buffers, used, warnings, |mesh, raw, primitive, at| {
+        n_parts[mesh] += 1;
         if seen.insert(raw.material, ()).is_none() {
             materials.push((raw.material, format!("{at}.material")));
         }
         sizes.primitives += 1;
-        sizes.vertices = sizes.vertices.saturating_add(primitive.n_vertices() as u64);
-        sizes.triangles = sizes.triangles.saturating_add(primitive.n_triangles() as u64);
+        // What is equal but for its material is most often read once.
+        if known.insert((raw.attributes.clone(), raw.indices, raw.mode)) {
+            sizes.vertices = sizes.vertices.saturating_add(primitive.n_vertices() as u64);
+            sizes.triangles = sizes.triangles.saturating_add(primitive.n_triangles() as u64);
+            take(&mut unfolding, primitive, at)?;
+        }
         sizes.check(limits, at)
-    })
+    })?;
+    Ok(n_parts)
+}
+
+/// Counts what reading a primitive takes.
+fn take(unfolding: &mut Unfolding, primitive: &Primitive<'_>, at: &str) -> Result<(), Error> {
+    unfolding.take(primitive.n_vertices() as u64, VERTEX, at)?;
+    unfolding.take(primitive.n_triangles() as u64, TRIANGLE, at)
 }
 
 /// Reads all meshes in `used`, in their order; what equal primitives draw is read once.
@@ -67,6 +83,7 @@ pub(super) fn read(
     buffers: &Buffers<'_>,
     used: &[usize],
     looks: &FixedMap<Option<usize>, Look>,
+    unfolding: &mut Unfolding,
     warnings: &mut Warnings,
 ) -> Result<Vec<Vec<HeldGeometry>>, Error> {
     let mut meshes: Vec<Vec<HeldGeometry>> = Vec::new();
@@ -74,7 +91,7 @@ pub(super) fn read(
     let mut known: FixedMap<_, SharedMesh> = FixedMap::with_hasher(fixed_state());
     // They were told when the meshes were looked at.
     let mut told = Warnings::default();
-    each_primitive(buffers, used, &mut told, |mesh, raw, primitive, _| {
+    each_primitive(buffers, used, &mut told, |mesh, raw, primitive, at| {
         let Look { material, uv_use } = &looks[&raw.material];
         let UvUse { set, transform } = *uv_use;
         let attributes = &raw.attributes;
@@ -83,6 +100,7 @@ pub(super) fn read(
         let geometry = match known.get(&key) {
             Some(geometry) => geometry.clone(),
             None => {
+                take(unfolding, primitive, at)?;
                 let read = primitive.read(buffers, attributes, *uv_use, warnings)?;
                 let geometry = SharedMesh::new(read);
                 known.insert(key, geometry.clone());

@@ -22,6 +22,7 @@ mod model;
 mod nodes;
 mod primitives;
 mod schema;
+mod unfolding;
 mod warnings;
 
 use std::fs::File;
@@ -38,6 +39,7 @@ use self::document::{Document, List, invalid};
 use self::folder::Folder;
 use self::images::Images;
 use self::nodes::Tree;
+use self::unfolding::Unfolding;
 use self::warnings::Warnings;
 use crate::{Error, ErrorKind};
 
@@ -67,12 +69,19 @@ pub struct ReadLimits {
     pub text_bytes: u64,
     /// Nodes, and meshes' primitives; 2^20 of each by default.
     pub nodes: u64,
+    /// Parts of meshes, counted at each node that shows them; 2^20 by default.
+    pub shown: u64,
     /// Vertices of all meshes, each mesh counted once; 2^25 by default, which take 1 GiB.
     pub vertices: u64,
     /// Triangles of all meshes, each mesh counted once; 2^26 by default.
     pub triangles: u64,
-    /// Instances of all nodes that repeat their mesh; 2^24 by default.
+    /// Instances of all nodes that repeat their mesh, counted for each of its parts; 2^24 by
+    /// default.
     pub instances: u64,
+    /// Bytes of memory that meshes and instances may take for each byte that was read, besides 64
+    /// MiB that they may take anyhow; 32 by default. What a file stores takes up to 16 times its
+    /// bytes in nearly all cases; more is needed where bytes are used again and again.
+    pub unfolding: u64,
     /// Pixels of all images; 2^28 by default, which take 1 GiB.
     pub pixels: u64,
 }
@@ -83,9 +92,11 @@ impl Default for ReadLimits {
             bytes: 1 << 30,
             text_bytes: 1 << 27,
             nodes: 1 << 20,
+            shown: 1 << 20,
             vertices: 1 << 25,
             triangles: 1 << 26,
             instances: 1 << 24,
+            unfolding: 32,
             pixels: 1 << 28,
         }
     }
@@ -182,13 +193,18 @@ fn read(bytes: &[u8], path: Option<&Path>, limits: &ReadLimits) -> Result<Model,
     let mut folder = Folder::of(path, bytes.len() as u64, limits.bytes);
     let buffers = Buffers::of(&document, container.bin, &mut folder)?;
     let mut materials = Vec::new();
+    let mut unfolding = Unfolding::new(limits, folder.n_read());
+    // Counts what is known to be needed, before images are read; the exact count comes later.
+    let counted = unfolding.clone();
     let used = &tree.meshes.indices;
-    meshes::look_at(&buffers, used, limits, &mut materials, &mut warnings)?;
-    nodes::read_instances(&mut tree, &buffers, limits)?;
+    let n_parts = meshes::look_at(&buffers, used, limits, counted, &mut materials, &mut warnings)?;
+    nodes::check_shown(&tree, &n_parts, limits)?;
+    nodes::read_instances(&mut tree, &n_parts, &buffers, limits, &mut unfolding)?;
 
     let images = Images::new(&buffers, &mut folder, limits);
     let looks = materials::read(&document, &materials, images, &mut warnings)?;
-    let meshes = meshes::read(&buffers, &tree.meshes.indices, &looks, &mut warnings)?;
+    let meshes =
+        meshes::read(&buffers, &tree.meshes.indices, &looks, &mut unfolding, &mut warnings)?;
     let lights = fixtures::lights(&document, &tree.lights.indices)?;
     let cameras = fixtures::cameras(&document, &tree.cameras.indices)?;
     let Tree { nodes, roots, .. } = tree;
@@ -219,13 +235,7 @@ fn look_at_extensions(document: &Document<'_>, warnings: &mut Warnings) -> Resul
 /// Refuses models of which something stands so far away, or is so large, that its place in the
 /// world is no number any more.
 fn refuse_infinity(model: &Model) -> Result<(), Error> {
-    let mut worlds: Vec<Affine3> = vec![Affine3::IDENTITY; model.nodes.len()];
-    for (place, node) in model.nodes.iter().enumerate() {
-        worlds[place] *= node.transform;
-        for child in &node.children {
-            worlds[*child] = worlds[place];
-        }
-        let world = worlds[place];
+    for (node, world) in model.nodes.iter().zip(model.worlds()) {
         let Some(parts) = node.mesh.map(|mesh| &model.meshes[mesh]) else { continue };
         let mut bound = sapwood_geom::Aabb::EMPTY;
         for part in parts {

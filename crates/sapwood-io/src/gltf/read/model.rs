@@ -51,6 +51,19 @@ pub struct ModelNode {
 }
 
 impl Model {
+    /// From the frame of each node to that of the model.
+    pub fn worlds(&self) -> Vec<Affine3> {
+        let mut worlds = vec![Affine3::IDENTITY; self.nodes.len()];
+        for (place, node) in self.nodes.iter().enumerate() {
+            let world = worlds[place] * node.transform;
+            worlds[place] = world;
+            for child in &node.children {
+                worlds[*child] = world;
+            }
+        }
+        worlds
+    }
+
     /// Places the model in a scene, below nothing yet, as groups, transforms, held geometry, held
     /// instances, lights and cameras that may be edited like any others.
     ///

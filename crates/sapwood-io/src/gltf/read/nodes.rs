@@ -9,6 +9,7 @@ use super::buffers::Buffers;
 use super::document::{Document, List, below, invalid};
 use super::model::ModelNode;
 use super::schema;
+use super::unfolding::{INSTANCE, Unfolding};
 use super::warnings::Warnings;
 use crate::{Error, ErrorKind};
 
@@ -250,13 +251,27 @@ fn unit(rotation: Quat) -> Option<Quat> {
     (length.is_finite() && length > 1e-12).then(|| (rotation.as_dquat() * (1.0 / length)).as_quat())
 }
 
-/// Reads where the instances of nodes are.
+/// Counts the parts that nodes show; `n_parts` tells how many each mesh has.
+pub(super) fn check_shown(tree: &Tree, n_parts: &[u64], limits: &ReadLimits) -> Result<(), Error> {
+    let shown = tree.nodes.iter().filter_map(|node| node.mesh).map(|mesh| n_parts[mesh]);
+    let (found, limit) = (shown.fold(0, u64::saturating_add), limits.shown);
+    if found <= limit {
+        return Ok(());
+    }
+    let (at, what) = ("nodes".to_owned(), "parts of meshes at all nodes of the scene");
+    Err(Error::new(ErrorKind::OverLimit { at, found, what, limit }))
+}
+
+/// Reads where the instances of nodes are; what several nodes refer to is read once.
 pub(super) fn read_instances(
     tree: &mut Tree,
+    n_parts: &[u64],
     buffers: &Buffers<'_>,
     limits: &ReadLimits,
+    unfolding: &mut Unfolding,
 ) -> Result<(), Error> {
     let mut n_all = 0u64;
+    let mut known: FixedMap<_, Shared<Vec<Affine3>>> = FixedMap::with_hasher(fixed_state());
     for (place, at, attributes) in std::mem::take(&mut tree.instancing) {
         let elements = |index: Option<usize>, name: &str, wanted| {
             let user = format!("{at}.{name}");
@@ -272,12 +287,19 @@ pub(super) fn read_instances(
             let found = format!("{n} and {other} instances");
             return Err(invalid(at, found, "as many of each attribute"));
         }
-        n_all = n_all.saturating_add(n as u64);
+        let n_parts = tree.nodes[place].mesh.map_or(0, |mesh| n_parts[mesh]).max(1);
+        n_all = n_all.saturating_add(n_parts.saturating_mul(n as u64));
         if n_all > limits.instances {
             let (found, limit) = (n_all, limits.instances);
             let what = "instances in the nodes of the scene";
             return Err(Error::new(ErrorKind::OverLimit { at, found, what, limit }));
         }
+        let key = (attributes.translations, attributes.rotations, attributes.scales);
+        if let Some(instances) = known.get(&key) {
+            tree.nodes[place].instances = Some(instances.clone());
+            continue;
+        }
+        unfolding.take(n as u64, INSTANCE, &at)?;
         let translations = read(&translations, n, [0.0; 3])?;
         let rotations = read(&rotations, n, [0.0, 0.0, 0.0, 1.0])?;
         let scales = read(&scales, n, [1.0; 3])?;
@@ -297,7 +319,9 @@ pub(super) fn read_instances(
                 }
             }
         }
-        tree.nodes[place].instances = Some(Shared::new(instances));
+        let instances = Shared::new(instances);
+        known.insert(key, instances.clone());
+        tree.nodes[place].instances = Some(instances);
     }
     Ok(())
 }
@@ -308,7 +332,7 @@ fn read<const N: usize>(
     otherwise: [f32; N],
 ) -> Result<Vec<[f32; N]>, Error> {
     match elements {
-        Some(elements) => elements.floats(),
+        Some(elements) => elements.floats(None),
         None => Ok(vec![otherwise; n]),
     }
 }

@@ -109,11 +109,25 @@ impl<'b> Primitive<'b> {
 
     /// The most vertices that it may need.
     pub(super) fn n_vertices(&self) -> usize {
+        let n_read = match self.chooses() {
+            true => self.n_corners(),
+            false => self.positions.len(),
+        };
         match self.normals {
-            Some(_) => self.positions.len(),
+            Some(_) => n_read,
             // Flat triangles share no vertices; the shared ones are needed to make those.
-            None => self.positions.len().saturating_add(self.n_triangles().saturating_mul(3)),
+            None => n_read.saturating_add(self.n_triangles().saturating_mul(3)),
         }
+    }
+
+    /// Whether vertices that no triangle has are left out: where many primitives each take a few
+    /// of the same vertices, nobody should have to read all of them for each. What is sparse is
+    /// read as a whole anyhow.
+    fn chooses(&self) -> bool {
+        let is_sparse = |elements: &Elements<'_>| elements.is_sparse();
+        self.n_corners() < self.positions.len()
+            && !is_sparse(&self.positions)
+            && !self.normals.as_ref().is_some_and(is_sparse)
     }
 
     /// Reads the vertices and the triangles.
@@ -125,17 +139,21 @@ impl<'b> Primitive<'b> {
         warnings: &mut Warnings,
     ) -> Result<Mesh, Error> {
         let at = &self.at;
+        let n = self.positions.len();
+        let mut indices = self.triangles(n)?;
+        let chosen = self.chooses().then(|| renumber(&mut indices));
+        let chosen = chosen.as_deref();
         let positions: Vec<Vec3> =
-            self.positions.floats()?.into_iter().map(Vec3::from_array).collect();
+            self.positions.floats(chosen)?.into_iter().map(Vec3::from_array).collect();
         if let Some(i) = positions.iter().position(|position| !position.is_finite()) {
-            let found = format!("element {i} of {} is {}", self.positions.at(), positions[i]);
+            let number = chosen.map_or(i, |chosen| chosen[i] as usize);
+            let found = format!("element {number} of {} is {}", self.positions.at(), positions[i]);
             let user = format_args!("{at}.attributes.POSITION");
             return Err(invalid(user, found, "finite numbers"));
         }
-        let n = positions.len();
         let user = format!("{at}.attributes.TEXCOORD_{}", uv_use.set);
         let uvs = attributes.uvs(uv_use.set).map(|index| {
-            same_length(Elements::of(buffers, index, &user, &PAIRS)?, n, &user)?.floats()
+            same_length(Elements::of(buffers, index, &user, &PAIRS)?, n, &user)?.floats(chosen)
         });
         let uvs: Option<Vec<Vec2>> = uvs.transpose()?.map(|uvs| {
             let uvs = uvs.into_iter().map(Vec2::from_array);
@@ -144,18 +162,17 @@ impl<'b> Primitive<'b> {
                 false => uvs.map(|uv| uv_use.transform.transform_point2(uv)).collect(),
             }
         });
-        let mut uvs = uvs.unwrap_or_else(|| vec![Vec2::ZERO; n]);
+        let mut uvs = uvs.unwrap_or_else(|| vec![Vec2::ZERO; positions.len()]);
         for uv in &mut uvs {
             if !uv.is_finite() {
                 *uv = Vec2::ZERO;
                 warnings.add(|| user.clone(), "texture coordinates that are no numbers are 0");
             }
         }
-        let indices = self.triangles(n)?;
         let Some(normals) = &self.normals else {
             return Ok(flat(&positions, &uvs, &indices));
         };
-        let normals = normals.floats()?.into_iter().map(Vec3::from_array).collect();
+        let normals = normals.floats(chosen)?.into_iter().map(Vec3::from_array).collect();
         let mut mesh = Mesh { positions, normals, uvs, indices };
         mend_normals(&mut mesh, || format!("{at}.attributes.NORMAL"), warnings);
         Ok(mesh)
@@ -195,6 +212,17 @@ impl<'b> Primitive<'b> {
             }
         }
     }
+}
+
+/// The vertices that triangles have, in rising order; `indices` become their places there.
+fn renumber(indices: &mut [u32]) -> Vec<u32> {
+    let mut chosen = indices.to_vec();
+    chosen.sort_unstable();
+    chosen.dedup();
+    for index in indices {
+        *index = chosen.partition_point(|vertex| vertex < index) as u32;
+    }
+    chosen
 }
 
 fn same_length<'b>(elements: Elements<'b>, n: usize, user: &str) -> Result<Elements<'b>, Error> {

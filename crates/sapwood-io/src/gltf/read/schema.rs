@@ -288,7 +288,7 @@ pub(super) struct PrimitiveExtensions {
     pub(super) draco: Option<IgnoredAny>,
 }
 
-#[derive(Deserialize)]
+#[derive(Clone, PartialEq, Eq, Hash, Deserialize)]
 pub(super) struct Attributes {
     #[serde(rename = "POSITION")]
     pub(super) positions: Option<usize>,

@@ -8,6 +8,7 @@ mod damage;
 mod features;
 mod hostile;
 mod round_trip;
+mod unfolding;
 
 /// A document with one triangle, and its buffer.
 fn triangle() -> (Value, Vec<u8>) {
