@@ -29,7 +29,7 @@ pub(crate) struct Watch {
 }
 
 impl Watch {
-    /// Follows the run of this process: an interrupt ends it at its next check, so that it takes
+    /// Follows the run of this process: an interrupt, or a request to terminate, ends it at its next check, so that it takes
     /// its temporary files along; a third one ends it at once, and they stay. Progress is shown on
     /// standard error if that is wanted.
     pub(crate) fn of_process(shows_progress: bool) -> Self {
@@ -41,8 +41,12 @@ impl Watch {
             }
         };
         // Where signals cannot be caught they end the process, as they always did.
-        if let Err(error) = ctrlc::set_handler(handler) {
+        if let Err(error) = ctrlc::set_handler(handler.clone()) {
             tracing::debug!(%error, "interrupts are not caught");
+        }
+        #[cfg(unix)]
+        if let Err(error) = catch_termination(handler) {
+            tracing::debug!(%error, "requests to terminate are not caught");
         }
         Self { progress: shows_progress.then(Progress::new), wish }
     }
@@ -86,6 +90,16 @@ impl Watch {
             progress.bar.finish_and_clear();
         }
     }
+}
+
+/// Calls `handler` at each request to terminate, as service managers and time limits send it. The
+/// crate that catches interrupts could do this too, but would then also catch hangups, which a run
+/// may have been started to outlive (`nohup`).
+#[cfg(unix)]
+fn catch_termination(handler: impl Fn() + Send + 'static) -> std::io::Result<()> {
+    let mut signals = signal_hook::iterator::Signals::new([signal_hook::consts::SIGTERM])?;
+    let wait = move || signals.forever().for_each(|_| handler());
+    std::thread::Builder::new().name("termination".to_owned()).spawn(wait).map(drop)
 }
 
 /// One line on standard error that changes.
