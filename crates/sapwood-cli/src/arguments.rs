@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
 use tracing_subscriber::filter::LevelFilter;
 
+use crate::accepted::{accepted, whole};
 use crate::grow::Output;
 use crate::picture::{PictureArguments, PictureFile, TurntableArguments, place};
 
@@ -15,9 +16,9 @@ Exit codes:
   2  the arguments are at fault
   3  the output could not be written; an existing file is left as it was
   4  a budget ran out, such as the number of triangles; nothing was written
-  130  interrupted, as by Ctrl-C; nothing was written. A third Ctrl-C does not wait for the
-       tidying up: temporary files (.NAME.*.part) may then stay, and outputs may be incomplete
-       as a set";
+  130  interrupted, as by Ctrl-C or SIGTERM; nothing was written. A third one does not wait for
+       the tidying up: temporary files (.NAME.*.part) may then stay, and outputs may be
+       incomplete as a set";
 
 const SPECIES_FILES: &str = "\
 Species files are TOML, as `sapwood species show` prints them, or the XML of Arbaro.";
@@ -34,12 +35,15 @@ Examples:
 
 const PICTURE_EXAMPLES: &str = "\
 Files are refused that hold more than 33,554,432 pixels in all images (such as 32 of 1024x1024),
-131,072 nodes or primitives, or 2,097,152 instances.
+131,072 nodes or primitives, 262,144 primitives counted at each node that shows them, or
+2,097,152 instances; or whose meshes and instances would take more memory than 64 MiB and 32 times
+the file's bytes.
 
 Examples:
   sapwood picture tree.glb -o tree.png
   sapwood picture house.gltf --size 1920x1080 --samples 64 --ground -o house.png
   sapwood picture tree.glb --eye 8,1.7,8 --target 0,4,0 --fov 60 -o tree.png
+  sapwood picture house.glb --camera garden -o garden.png
   sapwood picture tree.glb --style wire --from 0,0,1 --orthographic -o front.png";
 
 const FAMILY_EXAMPLES: &str = "\
@@ -176,6 +180,16 @@ pub(crate) struct PictureCommand {
     pub(crate) picture: PictureArguments,
     #[command(flatten)]
     pub(crate) turntable: TurntableArguments,
+    /// Look through a camera of the file: its name, that of its node, or its number, counted from 0
+    /// in the order of nodes
+    #[arg(
+        long,
+        value_name = "NAME|INDEX",
+        help_heading = "Pictures",
+        allow_negative_numbers = true,
+        conflicts_with_all = ["from", "eye", "target", "fov", "orthographic"]
+    )]
+    pub(crate) camera: Option<String>,
 }
 
 #[derive(Args, Debug)]
@@ -292,29 +306,27 @@ impl Arguments {
 }
 
 fn number(text: &str) -> Result<u64, String> {
-    text.parse().map_err(|_| format!("accepted: whole numbers from 0 to {}", u64::MAX))
+    whole(text, 0..=u64::MAX)
 }
 
 /// Individuals of one sheet.
 const MOST_INDIVIDUALS: u32 = 1000;
 
 fn individuals(text: &str) -> Result<u32, String> {
-    let count = text.parse().ok().filter(|n| (1..=MOST_INDIVIDUALS).contains(n));
-    count.ok_or_else(|| format!("accepted: whole numbers from 1 to {MOST_INDIVIDUALS}"))
+    whole(text, 1..=MOST_INDIVIDUALS)
 }
 
 fn lines(text: &str) -> Result<usize, String> {
-    text.parse().map_err(|_| format!("accepted: whole numbers from 0 to {}", usize::MAX))
+    whole(text, 0..=usize::MAX)
 }
 
 /// How many levels there are to choose from, the species decides.
 fn levels(text: &str) -> Result<u32, String> {
-    text.parse().map_err(|_| "accepted: 1 up to the levels of the species".to_owned())
+    accepted(text.parse().ok(), |_| true, "1 up to the levels of the species")
 }
 
 fn quality(text: &str) -> Result<f32, String> {
-    let quality = text.parse().ok().filter(|quality| *quality > 0.0 && *quality <= 1.0);
-    quality.ok_or_else(|| "accepted: above 0, up to 1".to_owned())
+    accepted(text.parse().ok(), |quality| *quality > 0.0 && *quality <= 1.0, "above 0, up to 1")
 }
 
 #[cfg(test)]

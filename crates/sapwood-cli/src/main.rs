@@ -3,6 +3,7 @@
 //! Everything that can be done is done by the library; this program only asks for it and puts
 //! the outcome into words and an exit code.
 
+mod accepted;
 mod arguments;
 mod dump;
 mod failure;

@@ -2,6 +2,7 @@
 //! of files.
 
 mod arguments;
+mod cameras;
 mod order;
 mod take;
 mod target;
@@ -29,9 +30,16 @@ use crate::watch::Watch;
 const MAX_DIAGNOSTICS: usize = 10;
 
 /// How much of a file is read. A small file may unfold to a lot; pixels take 128 MiB at most here,
-/// instances 96 MiB. The help tells these numbers.
+/// instances 96 MiB, and what stands in the way of the rest is how long the file is. The help tells
+/// these numbers.
 fn limits() -> ReadLimits {
-    ReadLimits { nodes: 1 << 17, instances: 1 << 21, pixels: 1 << 25, ..ReadLimits::default() }
+    ReadLimits {
+        nodes: 1 << 17,
+        shown: 1 << 18,
+        instances: 1 << 21,
+        pixels: 1 << 25,
+        ..ReadLimits::default()
+    }
 }
 
 /// What was drawn.
@@ -116,7 +124,7 @@ fn json(arguments: &PictureCommand, drawn: &Drawn) -> String {
 fn drawn(arguments: &PictureCommand, watch: &Watch) -> Result<Drawn, Failure> {
     let start = Instant::now();
     let turns = arguments.turntable.turntable;
-    let order = Order::new(&arguments.picture, turns, None)?;
+    let mut order = Order::new(&arguments.picture, turns, None)?;
     let itself: Vec<_> = arguments.file.canonicalize().into_iter().collect();
     check_not_read(arguments, turns, &itself)?;
     let output = &arguments.output.0;
@@ -124,6 +132,9 @@ fn drawn(arguments: &PictureCommand, watch: &Watch) -> Result<Drawn, Failure> {
     let model = sapwood::io::read_gltf(&arguments.file, &limits())?;
     check_not_read(arguments, turns, &model.files)?;
     watch.check()?;
+    if let Some(wanted) = &arguments.camera {
+        order = order.through(cameras::camera(&model, wanted)?);
+    }
     let mut scene = Scene::new();
     let root = model.add_to(&mut scene);
     let warnings = model.warnings;

@@ -29,9 +29,9 @@ pub(crate) struct Watch {
 }
 
 impl Watch {
-    /// Follows the run of this process: an interrupt, or a request to terminate, ends it at its next check, so that it takes
-    /// its temporary files along; a third one ends it at once, and they stay. Progress is shown on
-    /// standard error if that is wanted.
+    /// Follows the run of this process: an interrupt, or a request to terminate, ends it at its next
+    /// check, so that it takes its temporary files along; a third one ends it at once, and they
+    /// stay. Progress is shown on standard error if that is wanted.
     pub(crate) fn of_process(shows_progress: bool) -> Self {
         let wish = Wish::default();
         let told = wish.clone();

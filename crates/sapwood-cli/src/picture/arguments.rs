@@ -9,6 +9,8 @@ use std::str::FromStr;
 use clap::{Args, ValueEnum};
 use sapwood::scene::Style;
 
+use crate::accepted::{accepted, whole};
+
 /// Largest number of pixels of a picture.
 const MOST_PIXELS: u64 = 1 << 26;
 /// Most samples of a pixel.
@@ -149,47 +151,41 @@ fn size(text: &str) -> Result<[u32; 2], String> {
     let numbers = text.split_once(['x', 'X']);
     let size = numbers.and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
     let is_fit = |[w, h]: &[u32; 2]| (1..=MOST_PIXELS).contains(&(u64::from(*w) * u64::from(*h)));
-    size.filter(is_fit).ok_or_else(|| {
-        format!("accepted: 1x1 and more, as in 1024x768, up to {MOST_PIXELS} pixels together")
-    })
+    let told = format!("1x1 and more, as in 1024x768, up to {MOST_PIXELS} pixels together");
+    accepted(size, is_fit, told)
 }
 
 fn samples(text: &str) -> Result<u32, String> {
-    let samples = text.parse().ok().filter(|n| (1..=MOST_SAMPLES).contains(n));
-    samples.ok_or_else(|| format!("accepted: whole numbers from 1 to {MOST_SAMPLES}"))
+    whole(text, 1..=MOST_SAMPLES)
 }
 
 fn turns(text: &str) -> Result<u32, String> {
-    let turns = text.parse().ok().filter(|n| (1..=MOST_TURNS).contains(n));
-    turns.ok_or_else(|| format!("accepted: whole numbers from 1 to {MOST_TURNS}"))
+    whole(text, 1..=MOST_TURNS)
 }
 
 fn angle(text: &str) -> Result<f32, String> {
-    let angle = text.parse().ok().filter(|angle| (1.0..=170.0).contains(angle));
-    angle.ok_or_else(|| "accepted: 1 to 170 degrees".to_owned())
+    accepted(text.parse().ok(), |angle| (1.0..=170.0).contains(angle), "1 to 170 degrees")
 }
 
 fn height(text: &str) -> Result<f32, String> {
-    let height = text.parse().ok().filter(|height| (1e-6..=1e9).contains(height));
-    height.ok_or_else(|| "accepted: 0.000001 to 1000000000 metres".to_owned())
+    let told = "0.000001 to 1000000000 metres";
+    accepted(text.parse().ok(), |height| (1e-6..=1e9).contains(height), told)
 }
 
 /// Three finite numbers, in metres.
 pub(crate) fn place(text: &str) -> Result<[f32; 3], String> {
     let numbers = text.split(',').map(|number| number.trim().parse::<f32>());
     let numbers: Vec<f32> = numbers.collect::<Result<_, _>>().unwrap_or_default();
-    match <[f32; 3]>::try_from(numbers) {
-        Ok(place) if place.iter().all(|x| x.is_finite()) => Ok(place),
-        _ => Err("accepted: three finite numbers, as in 12,0,-3.5".to_owned()),
-    }
+    let is_finite = |place: &[f32; 3]| place.iter().all(|x| x.is_finite());
+    accepted(numbers.try_into().ok(), is_finite, "three finite numbers, as in 12,0,-3.5")
 }
 
 fn direction(text: &str) -> Result<[f32; 3], String> {
-    let direction = place(text).ok().filter(|direction| {
+    let has_length = |direction: &[f32; 3]| {
         let square: f32 = direction.iter().map(|x| x * x).sum();
         square.is_normal()
-    });
-    direction.ok_or_else(|| "accepted: three numbers, not all 0, as in 1,0.5,-2".to_owned())
+    };
+    accepted(place(text).ok(), has_length, "three numbers, not all 0, as in 1,0.5,-2")
 }
 
 #[cfg(test)]

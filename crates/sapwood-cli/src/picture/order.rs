@@ -30,12 +30,14 @@ pub(crate) struct Order {
 }
 
 /// Where the camera stands.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 enum View {
     /// Where everything is seen, in this direction.
     Fit(Vec3),
     /// At a place, looking at another, or at the middle of everything.
     Placed(Vec3, Option<Vec3>),
+    /// Where a camera of the scene stands.
+    Through(PlacedCamera),
 }
 
 /// How much room a scene takes.
@@ -105,7 +107,7 @@ impl Order {
             }
             (Some(eye), target) => View::Placed(vector(eye), target.map(vector)),
         };
-        let lens = match (arguments.orthographic, view) {
+        let lens = match (arguments.orthographic, &view) {
             (None, _) => {
                 let vertical_angle = arguments.fov.unwrap_or(ANGLE).to_radians();
                 Lens::Perspective { vertical_angle }
@@ -143,6 +145,11 @@ impl Order {
         Ok(Self { options, style, view, lens, turns })
     }
 
+    /// The same through this camera.
+    pub(crate) fn through(self, camera: PlacedCamera) -> Self {
+        Self { view: View::Through(camera), ..self }
+    }
+
     /// The look of a picture of something that stands at this height.
     pub(crate) fn options(&self, foot: f32) -> PictureOptions {
         let ground = self.options.ground.map(|ground| Ground { height: foot, ..ground });
@@ -172,22 +179,23 @@ impl Order {
     pub(crate) fn cameras(&self, extent: &Extent) -> Result<Vec<PlacedCamera>, Failure> {
         let Extent { aabb, girth, .. } = *extent;
         let middle = aabb.center();
-        let (first, axis) = match self.view {
-            View::Fit(from) if self.is_turned() => {
+        let (first, axis) = match &self.view {
+            &View::Fit(from) if self.is_turned() => {
                 let around = self.fit_around(&aabb, girth, from)?;
                 // Looking from straight above there is no side to begin with.
                 let side =
                     if horizontal(from) == Vec2::ZERO { 0.0 } else { horizontal(from).to_angle() };
                 (turned(&around, middle, side), middle)
             }
-            View::Fit(from) => (self.fit(&aabb, from)?, middle),
-            View::Placed(eye, target) => {
+            &View::Fit(from) => (self.fit(&aabb, from)?, middle),
+            &View::Placed(eye, target) => {
                 if target.is_none() && aabb.is_empty() {
                     return Err(sapwood::picture::PictureError::Empty.into());
                 }
                 let target = target.unwrap_or(middle);
                 (PlacedCamera::look_at(self.lens, eye, target)?, target)
             }
+            View::Through(camera) => (camera.clone(), middle),
         };
         let n = self.n_pictures();
         let angle = |i: u32| std::f32::consts::TAU * i as f32 / n as f32;

@@ -79,8 +79,8 @@ pub struct ReadLimits {
     /// default.
     pub instances: u64,
     /// Bytes of memory that meshes and instances may take for each byte that was read, besides 64
-    /// MiB that they may take anyhow; 32 by default. What a file stores takes up to 16 times its
-    /// bytes in nearly all cases; more is needed where bytes are used again and again.
+    /// MiB that they may take anyhow; 32 by default. What a file stores seldom takes more than 16
+    /// times its bytes, unless these are used again and again.
     pub unfolding: u64,
     /// Pixels of all images; 2^28 by default, which take 1 GiB.
     pub pixels: u64,

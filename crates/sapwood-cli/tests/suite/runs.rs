@@ -1,45 +1,8 @@
 //! Runs of the program, as from a shell: what it says where, what it writes, how it exits.
 
-use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Command;
 
-fn sapwood(folder: &Path, line: &str) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_sapwood"))
-        .args(line.split_whitespace())
-        .current_dir(folder)
-        .output()
-        .expect("the program runs")
-}
-
-fn text(bytes: &[u8]) -> &str {
-    std::str::from_utf8(bytes).expect("the program writes UTF-8")
-}
-
-/// The program succeeds and says nothing on standard error; gives its output.
-fn says(folder: &Path, line: &str) -> String {
-    let output = sapwood(folder, line);
-    assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), ""), "{line}");
-    text(&output.stdout).to_owned()
-}
-
-/// The program fails with this code, one line and no output; gives the line.
-fn fails(folder: &Path, line: &str, code: i32) -> String {
-    let output = sapwood(folder, line);
-    assert_eq!((output.status.code(), text(&output.stdout)), (Some(code), ""), "{line}");
-    let said = text(&output.stderr).to_owned();
-    assert!(said.starts_with("sapwood: ") && said.lines().count() == 1, "{line}: {said}");
-    said
-}
-
-fn files(folder: &Path) -> Vec<String> {
-    let entries = std::fs::read_dir(folder).expect("the folder is there");
-    let name = |entry: std::io::Result<std::fs::DirEntry>| {
-        entry.expect("the folder can be read").file_name().to_string_lossy().into_owned()
-    };
-    let mut names: Vec<_> = entries.map(name).collect();
-    names.sort();
-    names
-}
+use crate::program::{command, fails, files, says, text};
 
 #[test]
 fn the_first_command_writes_an_aspen() {
@@ -81,7 +44,8 @@ fn species_files_are_grown_and_their_errors_passed_through() {
     assert_eq!(own, counts(says(folder.path(), "grow quaking_aspen")));
 
     std::fs::write(folder.path().join("bad.toml"), text.replace("\nratio =", "\nrati =")).unwrap();
-    let output = sapwood(folder.path(), "grow bad.toml -o bad.glb");
+    let output =
+        command(folder.path(), "grow bad.toml -o bad.glb").output().expect("the program runs");
     assert_eq!(output.status.code(), Some(1));
     let said = self::text(&output.stderr);
     assert!(said.starts_with("sapwood: bad.toml:") && said.contains("'ratio'"), "{said}");
@@ -165,7 +129,8 @@ fn a_failed_write_leaves_the_old_file() {
 fn verbosity_goes_to_standard_error() {
     let folder = tempfile::tempdir().unwrap();
     let told = |flags: &str| {
-        let output = sapwood(folder.path(), &format!("grow quaking_aspen --levels 2 {flags}"));
+        let line = format!("grow quaking_aspen --levels 2 {flags}");
+        let output = command(folder.path(), &line).output().expect("the program runs");
         assert_eq!(output.status.code(), Some(0));
         assert!(text(&output.stdout).starts_with("Quaking Aspen"));
         text(&output.stderr).to_owned()

@@ -1,9 +1,10 @@
 //! Runs of the program over species files, good and bad, of ours and of Arbaro.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
 
 use sapwood::rules::weber_penn::{Dialect, LeavesSpec, Origin, Species};
+
+use crate::program::command;
 
 const BUSH: &str = r#"<arbaro><species name="Bush">
   <param name="Levels" value="2"/>
@@ -13,17 +14,9 @@ const BUSH: &str = r#"<arbaro><species name="Bush">
 </species></arbaro>
 "#;
 
-fn sapwood(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_sapwood"))
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .expect("the program runs")
-}
-
 /// Exit code, standard output and standard error.
 fn outcome(folder: &Path, arguments: &[&str]) -> (Option<i32>, String, String) {
-    let output = sapwood(folder, arguments);
+    let output = command(folder, "").args(arguments).output().expect("the program runs");
     let text = |bytes| String::from_utf8(bytes).expect("the program writes UTF-8");
     (output.status.code(), text(output.stdout), text(output.stderr))
 }

@@ -2,71 +2,23 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::{Command, Output};
-#[cfg(unix)]
-use std::{
-    io::{BufRead as _, BufReader},
-    process::Stdio,
-};
+use std::process::Command;
 
-fn sapwood(folder: &Path, line: &str) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_sapwood"))
-        .args(line.split_whitespace())
-        .current_dir(folder)
-        .output()
-        .expect("the program runs")
-}
+use crate::program::{fails, files, json, says, text};
 
-fn text(bytes: &[u8]) -> &str {
-    std::str::from_utf8(bytes).expect("the program writes UTF-8")
-}
-
-/// The program succeeds and says nothing on standard error; gives its output.
-fn says(folder: &Path, line: &str) -> String {
-    let output = sapwood(folder, line);
-    assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), ""), "{line}");
-    text(&output.stdout).to_owned()
-}
-
-/// The program fails with this code in one line, and leaves every file as it was; gives the line.
-fn fails(folder: &Path, line: &str, code: i32) -> String {
-    let before = files(folder);
-    let output = sapwood(folder, line);
-    assert_eq!((output.status.code(), text(&output.stdout)), (Some(code), ""), "{line}");
-    assert_eq!(files(folder), before, "{line}");
-    let said = text(&output.stderr).to_owned();
-    assert_eq!(said.lines().count(), 1, "{line}: {said}");
-    said
-}
-
-fn files(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).expect("the folder is there");
-    let name = |entry: std::io::Result<fs::DirEntry>| {
-        entry.expect("the folder can be read").file_name().to_string_lossy().into_owned()
-    };
-    let mut names: Vec<_> = entries.map(name).collect();
-    names.sort();
-    names
-}
-
-fn json(text: &str) -> serde_json::Value {
-    assert_eq!(text.lines().count(), 1, "{text}");
-    serde_json::from_str(text).expect("the program writes JSON")
-}
-
-fn image(folder: &Path, name: &str) -> sapwood::geom::Image {
+pub(crate) fn image(folder: &Path, name: &str) -> sapwood::geom::Image {
     sapwood::io::read_image(folder.join(name)).expect("the program writes PNG files")
 }
 
 /// How many pixels differ much.
-fn n_different(a: &sapwood::geom::Image, b: &sapwood::geom::Image) -> usize {
+pub(crate) fn n_different(a: &sapwood::geom::Image, b: &sapwood::geom::Image) -> usize {
     assert_eq!((a.width, a.height), (b.width, b.height));
     let differs = |(a, b): &(&[u8; 4], &[u8; 4])| (0..4).any(|i| a[i].abs_diff(b[i]) > 24);
     a.pixels.iter().zip(&b.pixels).filter(differs).count()
 }
 
 /// A trunk with its branches: quickly grown and drawn.
-const SMALL: &str = "grow quaking_aspen --levels 2 --samples 1 --size 48x64";
+pub(crate) const SMALL: &str = "grow quaking_aspen --levels 2 --samples 1 --size 48x64";
 
 #[test]
 fn a_picture_is_written_beside_other_files() {
@@ -281,151 +233,6 @@ fn wrong_options_are_told_with_what_is_accepted() {
 }
 
 #[test]
-fn files_are_drawn_as_they_were_grown() {
-    let folder = tempfile::tempdir().unwrap();
-    let at = folder.path();
-    says(at, &format!("{SMALL} -o t.png -o t.glb -o t.gltf"));
-    let grown = image(at, "t.png");
-    for file in ["t.glb", "t.gltf"] {
-        let options = "--samples 1 --size 48x64";
-        let told = json(&says(at, &format!("picture {file} {options} -o read.png --json")));
-        let n = n_different(&grown, &image(at, "read.png"));
-        assert!(n < 48 * 64 / 50, "{file}: {n} pixels");
-        assert_eq!((&told["file"], &told["warnings"]), (&file.into(), &serde_json::json!([])));
-        assert!(told["triangles"].as_u64().unwrap() > 1000);
-        assert_eq!(told["outputs"][0]["path"], "read.png");
-        assert_eq!(told["picture"]["rays"]["primary"], 48 * 64);
-    }
-    let said = says(at, "picture t.glb --turntable 2 --size 9x9 --samples 1 -o a.png");
-    assert!(said.contains("2 pictures of 9x9 with 1 samples"), "{said}");
-    assert!(at.join("a-001.png").exists());
-}
-
-/// Like [`fails`], with 2 s of processor time and, where the system counts it, 384 MiB of addresses:
-/// 256 MiB to work with and the rest for the program's own code, its two threads and what the
-/// allocator sets aside for each. That is more than is ever touched, and less than a bomb takes.
-fn fails_in_little(folder: &Path, line: &str, code: i32) -> String {
-    if !cfg!(target_os = "linux") {
-        return fails(folder, line, code);
-    }
-    let before = files(folder);
-    let limited = "ulimit -t 2 && ulimit -v 393216 && exec \"$@\"";
-    let output = Command::new("sh")
-        .args(["-c", limited, "sh", env!("CARGO_BIN_EXE_sapwood")])
-        .args(line.split_whitespace())
-        .env("RAYON_NUM_THREADS", "2")
-        .current_dir(folder)
-        .output()
-        .expect("there is a shell");
-    let said = text(&output.stderr).to_owned();
-    assert_eq!((output.status.code(), text(&output.stdout)), (Some(code), ""), "{line}: {said}");
-    assert_eq!(files(folder), before, "{line}");
-    assert_eq!(said.lines().count(), 1, "{line}: {said}");
-    said
-}
-
-/// A model with one texture, `image`, and its buffer, `model.bin`.
-fn write_textured(folder: &Path, name: &str, image: &str) {
-    let positions = [0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
-    let bytes: Vec<u8> = positions.iter().flat_map(|x| x.to_le_bytes()).collect();
-    fs::write(folder.join("model.bin"), bytes).expect("the folder is there");
-    let document = serde_json::json!({
-        "asset": { "version": "2.0" },
-        "scene": 0, "scenes": [{ "nodes": [0] }], "nodes": [{ "mesh": 0 }],
-        "meshes": [{ "primitives": [{
-            "attributes": { "POSITION": 0, "TEXCOORD_0": 1 }, "material": 0,
-        }] }],
-        "materials": [{ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }],
-        "textures": [{ "source": 0 }], "images": [{ "uri": image }],
-        "buffers": [{ "uri": "model.bin", "byteLength": 36 }],
-        "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
-        "accessors": [
-            { "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3",
-                "min": [0, 0, 0], "max": [1, 1, 0] },
-            { "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC2" },
-        ],
-    });
-    fs::write(folder.join(name), document.to_string()).expect("the folder is there");
-}
-
-#[test]
-fn nothing_that_a_model_reads_is_replaced() {
-    let folder = tempfile::tempdir().unwrap();
-    let at = folder.path();
-    says(at, &format!("{SMALL} -o bark.png"));
-    write_textured(at, "model.gltf", "bark.png");
-    fs::copy(at.join("model.gltf"), at.join("model.png")).unwrap();
-    let bark = fs::read(at.join("bark.png")).unwrap();
-    let small = "--size 9x9 --samples 1";
-    let said = fails(at, &format!("picture model.gltf {small} -o bark.png"), 2);
-    assert!(said.contains("bark.png is read for the file that is drawn; name another"), "{said}");
-    let said = fails(at, &format!("picture model.png {small} -o ./model.png"), 2);
-    assert!(said.contains("model.png is the file that is drawn; name another one"), "{said}");
-    fs::rename(at.join("bark.png"), at.join("bark-001.png")).unwrap();
-    write_textured(at, "model.gltf", "bark-001.png");
-    let said = fails(at, &format!("picture model.gltf {small} --turntable 3 -o bark.png"), 2);
-    assert!(said.contains("bark-001.png is read for the file that is drawn"), "{said}");
-    assert_eq!(fs::read(at.join("bark-001.png")).unwrap(), bark);
-    says(at, &format!("picture model.gltf {small} -o bark.png"));
-}
-
-#[test]
-fn broken_files_are_one_line_each() {
-    let folder = tempfile::tempdir().unwrap();
-    let at = folder.path();
-    says(at, "grow palm --detail draft -o good.glb");
-    let good = fs::read(at.join("good.glb")).unwrap();
-    fs::write(at.join("cut.glb"), &good[..good.len() / 2]).unwrap();
-    fs::write(at.join("zero.glb"), []).unwrap();
-    fs::write(at.join("noise.gltf"), "{]").unwrap();
-    fs::write(at.join("empty.gltf"), r#"{"asset":{"version":"2.0"}}"#).unwrap();
-    let outside = r#"{"asset":{"version":"2.0"},"buffers":[{"uri":"../x.bin","byteLength":4}],
-        "bufferViews":[{"buffer":0,"byteLength":4}],"images":[{"uri":"../../etc/passwd"}],
-        "textures":[{"source":0}],"materials":[{"pbrMetallicRoughness":{"baseColorTexture":
-        {"index":0}}}],"accessors":[{"bufferView":0,"componentType":5126,"count":1000000000,
-        "type":"VEC3","min":[0,0,0],"max":[1,1,1]}],"meshes":[{"primitives":[{"attributes":
-        {"POSITION":0},"material":0}]}],"nodes":[{"mesh":0}],"scenes":[{"nodes":[0]}],"scene":0}"#;
-    fs::write(at.join("outside.gltf"), outside).unwrap();
-    let ring = r#"{"asset":{"version":"2.0"},"nodes":[{"children":[1]},{"children":[0]}],
-        "scenes":[{"nodes":[0]}],"scene":0}"#;
-    fs::write(at.join("ring.gltf"), ring).unwrap();
-    // The header of a grey PNG of 16000 x 16000 pixels, with as many bytes behind it as such a file
-    // needs, and with too few.
-    let mut bomb = b"\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\x3e\x80\0\0\x3e\x80\x08\0\0\0\0".to_vec();
-    bomb.extend([0x64, 0x15, 0x80, 0x02]);
-    fs::write(at.join("thin.png"), &bomb).unwrap();
-    bomb.resize(300_000, 0);
-    fs::write(at.join("bomb.png"), &bomb).unwrap();
-    write_textured(at, "thin.gltf", "thin.png");
-    write_textured(at, "bomb.gltf", "bomb.png");
-    for (file, expected) in [
-        ("thin.gltf", "images[0]: not valid PNG: 33 bytes cannot hold 16000 x 16000 pixels"),
-        ("bomb.gltf", "256000000 pixels in all images of the scene; at most 33554432 are read"),
-        ("missing.glb", "missing.glb"),
-        ("cut.glb", "cut.glb"),
-        ("zero.glb", "zero.glb"),
-        ("noise.gltf", "noise.gltf"),
-        ("outside.gltf", "outside.gltf"),
-        ("ring.gltf", "ring.gltf"),
-        (".", "."),
-        ("empty.gltf", "there is nothing to see"),
-    ] {
-        let said = fails_in_little(at, &format!("picture {file} --size 64x64 -o t.png"), 1);
-        assert!(said.contains(expected), "{file}: {said}");
-    }
-    let said = fails(at, "picture good.glb -o no/t.png", 3);
-    assert!(said.contains("no/t.png: cannot be written: there is no folder"), "{said}");
-    let said = fails(at, "picture good.glb", 2);
-    assert!(said.contains("--output <FILE>"), "{said}");
-    let said = fails(at, "picture good.glb -o t.jpg", 2);
-    assert!(said.contains("accepted: names that end in .png"), "{said}");
-    fs::copy(at.join("good.glb"), at.join("good.png")).unwrap();
-    let said = fails(at, "picture good.png -o good.png", 2);
-    assert!(said.contains("good.png is the file that is drawn"), "{said}");
-    assert_eq!(fs::read(at.join("good.png")).unwrap(), good);
-}
-
-#[test]
 fn a_family_is_a_sheet_of_individuals() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
@@ -461,41 +268,6 @@ fn a_family_is_a_sheet_of_individuals() {
     assert!(said.contains("there is no folder"), "{said}");
     let said = fails(at, "family palm --max-triangles 10 -o t.png", 4);
     assert!(said.contains("10 triangles, the limit"), "{said}");
-}
-
-#[cfg(unix)]
-#[test]
-fn an_interrupt_leaves_no_picture() {
-    let folder = tempfile::tempdir().unwrap();
-    let at = folder.path();
-    says(at, "grow palm -o palm.glb");
-    for command in [
-        "grow quaking_aspen -o old.png -o new.svg --turntable 3 -o other.png",
-        "picture palm.glb -o old.png",
-        "family quaking_aspen -n 20 --size 600x600 -o old.png",
-    ] {
-        fs::write(at.join("old.png"), "old").unwrap();
-        let before = files(at);
-        // More rays than come back in any time that somebody waits for, and told when they start.
-        let mut child = Command::new(env!("CARGO_BIN_EXE_sapwood"))
-            .args(format!("-v {command} --samples 4096").split_whitespace())
-            .current_dir(at)
-            .stdout(Stdio::null())
-            .stderr(Stdio::piped())
-            .spawn()
-            .expect("the program runs");
-        let mut lines = BufReader::new(child.stderr.take().expect("it is piped")).lines();
-        let mut next = || lines.next().map(|line| line.expect("the program writes UTF-8"));
-        while !next().expect("it is told that rays start").contains("drawing") {}
-        let kill = format!("kill -INT {}", child.id());
-        assert!(Command::new("sh").args(["-c", &kill]).status().unwrap().success());
-        let rest: Vec<String> = std::iter::from_fn(next).collect();
-        assert_eq!(child.wait().unwrap().code(), Some(130), "{command}: {rest:?}");
-        let last = "sapwood: interrupted; nothing was written";
-        assert_eq!(rest.last().map(String::as_str), Some(last), "{command}: {rest:?}");
-        assert_eq!(files(at), before, "{command}");
-        assert_eq!(fs::read(at.join("old.png")).unwrap(), b"old");
-    }
 }
 
 #[test]

@@ -1,51 +1,9 @@
 //! Output files: which there are, that they come together or not at all, and what is told of them.
 
 use std::fs;
-use std::path::Path;
-use std::process::{Command, Output};
+use std::process::Command;
 
-fn sapwood(folder: &Path, line: &str) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_sapwood"))
-        .args(line.split_whitespace())
-        .current_dir(folder)
-        .output()
-        .expect("the program runs")
-}
-
-fn text(bytes: &[u8]) -> &str {
-    std::str::from_utf8(bytes).expect("the program writes UTF-8")
-}
-
-/// The program succeeds and says nothing on standard error; gives its output.
-fn says(folder: &Path, line: &str) -> String {
-    let output = sapwood(folder, line);
-    assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), ""), "{line}");
-    text(&output.stdout).to_owned()
-}
-
-/// The program fails with this code and writes no file; gives what it says.
-fn fails(folder: &Path, line: &str, code: i32) -> String {
-    let before = files(folder);
-    let output = sapwood(folder, line);
-    assert_eq!((output.status.code(), text(&output.stdout)), (Some(code), ""), "{line}");
-    assert_eq!(files(folder), before, "{line}");
-    text(&output.stderr).to_owned()
-}
-
-fn files(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).expect("the folder is there");
-    let name = |entry: std::io::Result<fs::DirEntry>| {
-        entry.expect("the folder can be read").file_name().to_string_lossy().into_owned()
-    };
-    let mut names: Vec<_> = entries.map(name).collect();
-    names.sort();
-    names
-}
-
-fn json(text: &str) -> serde_json::Value {
-    assert_eq!(text.lines().count(), 1, "{text}");
-    serde_json::from_str(text).expect("the program writes JSON")
-}
+use crate::program::{fails, files, json, says, text};
 
 #[test]
 fn every_format_is_written_from_one_tree() {
@@ -210,50 +168,6 @@ fn the_summary_may_be_json() {
     // Errors stay lines for people.
     let said = fails(folder.path(), "grow oak --json", 1);
     assert!(said.starts_with("sapwood: no built-in species"), "{said}");
-}
-
-#[cfg(unix)]
-#[test]
-fn an_interrupt_leaves_nothing_half_done() {
-    check_interrupts("kill -INT $!");
-}
-
-#[cfg(unix)]
-#[test]
-fn a_second_interrupt_leaves_no_temporary_files() {
-    check_interrupts("kill -INT $!; sleep 0.002; kill -INT $! 2>&-");
-}
-
-/// Interrupts at many moments: each time all files are there or none, and nothing else.
-#[cfg(unix)]
-fn check_interrupts(interrupt: &str) {
-    let images = ["t-1.png", "t-2.png", "t-3.png", "t-4.png", "t-5.png"];
-    let whole = [&images[..], &["t.bin", "t.glb", "t.gltf", "t.mtl", "t.obj"]].concat();
-    let mut codes = Vec::new();
-    for wait in (0..12).map(|step| 0.01 + 0.02 * f64::from(step)) {
-        let folder = tempfile::tempdir().expect("the system has a folder for temporary files");
-        let line = format!(
-            "'{}' grow silver_birch -o t.glb -o t.gltf -o t.obj & sleep {wait}; \
-             {interrupt}; wait $!",
-            env!("CARGO_BIN_EXE_sapwood")
-        );
-        let output = Command::new("sh").args(["-c", &line]).current_dir(folder.path()).output();
-        let output = output.expect("the program starts");
-        let (code, said) =
-            (output.status.code().expect("the program ends by itself"), text(&output.stderr));
-        let found = files(folder.path());
-        match code {
-            0 => assert_eq!(found, whole),
-            130 => {
-                assert!(found.is_empty(), "after {wait} s: {found:?}");
-                assert!(said.is_empty() || said.contains("interrupted; nothing"), "{said}");
-            }
-            // Before the program could say what it makes of interrupts.
-            _ => assert!(wait < 0.1 && found.is_empty(), "after {wait} s: {code} {said}"),
-        }
-        codes.push(code);
-    }
-    assert!(codes.contains(&130), "{codes:?}");
 }
 
 #[test]
