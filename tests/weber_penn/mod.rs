@@ -6,6 +6,7 @@ mod counts;
 mod extremes;
 mod foreseen;
 mod looks;
+mod pruning;
 mod seeds;
 mod snapshots;
 mod species;

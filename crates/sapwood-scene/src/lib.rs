@@ -45,9 +45,9 @@ pub use sapwood_geom::Side;
 pub use scene::Scene;
 pub use semantic::{Children, Component, EditError, Handle, NodeId, Question};
 pub use slots::{
-    Cell, ChildPath, Choice, DistanceBand, Held, MaterialSlot, Moving, Placement, Projection,
-    PushMode, Rate, SideOfBox, Slot, SlotReader, Style, StyleSlot, SwitchedOn, Time, Viewer,
-    Viewpoint,
+    Cell, ChildPath, Choice, DistanceBand, EnvelopeSlot, Held, MaterialSlot, Moving, Placement,
+    Projection, PushMode, Rate, SideOfBox, Slot, SlotReader, Style, StyleSlot, SwitchedOn, Time,
+    Viewer, Viewpoint,
 };
 pub use view::ViewId;
 pub use view_error::ViewError;

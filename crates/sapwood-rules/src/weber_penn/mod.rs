@@ -1,7 +1,6 @@
 //! The tree model of Weber and Penn (SIGGRAPH 95).
 //!
-//! Some parameters are read, checked and kept, but do not act: PruneRatio and PruneWidth (the
-//! envelope shapes crowns of shape 8 only, nothing is pruned by it), ZScale and ZScaleV (the paper
+//! Some parameters are read, checked and kept, but do not act: ZScale and ZScaleV (the paper
 //! never uses them), Arbaro's Smooth, and tree-gen's blossoms and branch distances.
 //!
 //! A [`Species`] holds the parameters as files write them; [`Crown`], [`Level`], [`LeafParams`]
@@ -23,14 +22,15 @@ mod tests;
 pub use components::{Branch, Children, Leaves, Seed, StemSurface, Tree, Twigs};
 pub use geometry::{Detail, leaf_card, leaf_mesh, surface};
 pub use growth::{
-    Frame, Leaf, Segment, Stem, StemSeed, Stems, children, foreseen, grow, leaves, trunks,
+    Frame, Leaf, Limit, Segment, Stem, StemSeed, Stems, children, fit, foreseen, grow, leaves,
+    trunks,
 };
 pub use look::{BarkLook, LeafLook};
-pub use params::{Crown, Envelope, LeafParams, Level, TrunkForm};
+pub use params::{Crown, LeafParams, Level, Pruning, TrunkForm};
 pub use rules::{full, skeleton};
 pub use slots::{
-    BarkLookSlot, BarkSlot, CrownSlot, DetailSlot, FoliageSlot, LeafLookSlot, LeafTargetSlot,
-    LeavesSlot, LevelSlot, StemTargetSlot, TrunkFormSlot,
+    BarkLookSlot, BarkSlot, CrownSlot, DetailSlot, FoliageSlot, IsPrunedSlot, LeafLookSlot,
+    LeafTargetSlot, LeavesSlot, LevelSlot, PruneRatioSlot, StemTargetSlot, TrunkFormSlot,
 };
 pub use species::{
     Accepted, BarkSpec, CrownShape, Dialect, Fault, Key, LeafShape, LeafTarget, LeavesSpec,

@@ -41,8 +41,8 @@ pub struct Crown {
     pub target: Target,
     /// tree-gen's tropism vector, present in its dialect only; replaces AttractionUp.
     pub tropism: Option<[f32; 3]>,
-    /// The pruning envelope; also shape 8.
-    pub envelope: Envelope,
+    /// The species' own envelope; also shape 8.
+    pub pruning: Pruning,
 }
 
 content!(Crown {
@@ -60,7 +60,7 @@ content!(Crown {
     attraction_up,
     target,
     tropism,
-    envelope,
+    pruning,
 });
 
 impl Crown {
@@ -83,14 +83,14 @@ impl Crown {
             attraction_up: species.attraction_up,
             target: species.attraction_target,
             tropism: ext.and_then(|ext| ext.tropism),
-            envelope: Envelope::new(&species.pruning),
+            pruning: Pruning::new(&species.pruning),
         }
     }
 }
 
-/// The pruning envelope; lengths are fractions of the tree's size.
+/// How a species is pruned by itself; lengths are fractions of the tree's size.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Envelope {
+pub struct Pruning {
     /// PruneRatio: 0 off, 1 fully inside.
     pub ratio: f32,
     /// PruneWidth: its greatest radius.
@@ -103,9 +103,9 @@ pub struct Envelope {
     pub power_high: f32,
 }
 
-content!(Envelope { ratio, width, width_peak, power_low, power_high });
+content!(Pruning { ratio, width, width_peak, power_low, power_high });
 
-impl Envelope {
+impl Pruning {
     fn new(spec: &PruningSpec) -> Self {
         let &PruningSpec { ratio, width, width_peak, power_low, power_high } = spec;
         Self { ratio, width, width_peak, power_low, power_high }

@@ -4,6 +4,7 @@
 //! from the same stems.
 
 mod geometry;
+mod pruning;
 mod skeleton;
 mod structure;
 

@@ -62,6 +62,16 @@ slot! {
     FoliageSlot: Option<Material> = "weber_penn.foliage", None
 }
 slot! {
+    /// How firmly stems are held inside the envelope of the slot
+    /// [`EnvelopeSlot`](sapwood_scene::EnvelopeSlot): 0 not at all, 1 fully; the paper's PruneRatio.
+    PruneRatioSlot: f32 = "weber_penn.prune_ratio", 1.0
+}
+slot! {
+    /// Whether part of the tree may lie outside the envelope; set by the tree's own rule, so that
+    /// no branch asks where all lie inside.
+    IsPrunedSlot: bool = "weber_penn.is_pruned", false
+}
+slot! {
     /// What stems turn toward, in tree space; set by the tree's own rule.
     StemTargetSlot: Target = "weber_penn.stem_target", Target::Up
 }

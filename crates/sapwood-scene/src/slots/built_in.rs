@@ -3,7 +3,7 @@
 //! Held ones first, then those that move.
 
 use sapwood_geom::glam::{Affine3, Vec3};
-use sapwood_geom::{Content, Digester, StreamPath};
+use sapwood_geom::{Content, Digester, Envelope, StreamPath};
 use sapwood_graph::{Eye, Material};
 
 use super::{Held, Moving, Slot};
@@ -93,6 +93,21 @@ impl Slot for MaterialSlot {
 
     fn default() -> Material {
         Material::matte("plain", 0.5, 0.5, 0.5)
+    }
+}
+
+/// What growth below is held inside of, in the frame of the view's root; nothing holds it by
+/// default. Rules that grow something ask it; what is placed by hand stays where it is.
+#[derive(Debug)]
+pub enum EnvelopeSlot {}
+
+impl Slot for EnvelopeSlot {
+    type Value = Option<Envelope>;
+    type Rate = Held;
+    const NAME: &'static str = "envelope";
+
+    fn default() -> Option<Envelope> {
+        None
     }
 }
 

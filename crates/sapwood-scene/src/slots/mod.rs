@@ -9,8 +9,8 @@ mod reader;
 mod slot;
 
 pub use built_in::{
-    ChildPath, Choice, MaterialSlot, Placement, Style, StyleSlot, SwitchedOn, Time, Viewer,
-    Viewpoint,
+    ChildPath, Choice, EnvelopeSlot, MaterialSlot, Placement, Style, StyleSlot, SwitchedOn, Time,
+    Viewer, Viewpoint,
 };
 pub(crate) use environment::{Environments, ForcedSlots, LinkFacts, LinkPushes, Pushed};
 pub use places::{Cell, DistanceBand, SideOfBox};

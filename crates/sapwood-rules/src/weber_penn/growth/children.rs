@@ -118,7 +118,8 @@ impl Parent<'_> {
         let factor = self.form.filter(|_| stem.seed.level == 0).map_or(1.0, |form| form.factor(z));
         let parent_radius = stem.radius_at(z) * factor;
         let falloff = libm::powf(length / length_parent, crown.ratio_power);
-        let radius = (stem.seed.radius * falloff * child.radius_scale).min(parent_radius);
+        let free_radius = stem.seed.radius * falloff * child.radius_scale;
+        let radius = free_radius.min(parent_radius);
         // Written so that a number that is not one does not grow either.
         let grows = length > SHORTEST && radius > THINNEST;
         grows.then(|| StemSeed {
@@ -127,6 +128,7 @@ impl Parent<'_> {
             frame: frame.turned_x(down),
             length,
             radius,
+            free_radius,
             offset,
             parent_length: length_parent,
             parent_radius,
@@ -141,7 +143,7 @@ fn relative_length(parent: &Stem, offset: f32, crown: &Crown) -> f32 {
     let length_parent = parent.seed.length;
     if parent.seed.level == 0 {
         let r = height_ratio(parent, offset);
-        return length_parent * shape_ratio(crown.shape, r, &crown.envelope, crown.dialect);
+        return length_parent * shape_ratio(crown.shape, r, &crown.pruning, crown.dialect);
     }
     (length_parent - lost_length(crown.dialect) * offset).max(0.0)
 }

@@ -77,7 +77,7 @@ pub(crate) fn n_leaves(stem: &Stem, crown: &Crown, params: &LeafParams) -> f32 {
     let seed = &stem.seed;
     // A trunk has no parent; its leaves count in full.
     let r = if seed.parent_length > 0.0 { seed.offset / seed.parent_length } else { 1.0 };
-    let ratio = shape_ratio(params.distrib, r.clamp(0.0, 1.0), &crown.envelope, crown.dialect);
+    let ratio = shape_ratio(params.distrib, r.clamp(0.0, 1.0), &crown.pruning, crown.dialect);
     params.count.max(0) as f32 * ratio * params.quality
 }
 

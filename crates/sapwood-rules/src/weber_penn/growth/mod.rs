@@ -1,12 +1,14 @@
 //! Growth: pure functions from parameters and a parent's facts to stems, segments and leaves.
 //!
 //! [`trunks`] seeds the trunks, [`grow`] makes stems of seeds, [`children`] seeds the next level
-//! on them, and [`leaves`] ends on the last. [`foreseen`] tells how far all that may reach.
+//! on them, and [`leaves`] ends on the last. [`fit`] tells how long stems may be under an envelope,
+//! [`foreseen`] how far a whole tree may reach.
 //! Everything is in tree space.
 
 mod attraction;
 mod children;
 mod curve;
+mod fit;
 mod frame;
 mod grow;
 mod leaves;
@@ -23,6 +25,7 @@ pub(super) use attraction::is_attracted;
 pub use children::children;
 #[cfg(test)]
 pub(super) use children::n_children;
+pub use fit::{Limit, fit};
 pub use frame::Frame;
 pub use grow::grow;
 pub use leaves::leaves;

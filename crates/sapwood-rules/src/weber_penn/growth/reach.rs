@@ -42,7 +42,8 @@ pub fn foreseen(
     let deviation = greatest_deviation(crown.variation);
     let length = longest(trunk, deviation) * scale_limit(crown);
     let aside = if trunk.branches > 1 { trunk.branch_dist.abs() } else { 0.0 };
-    let bound = Reach::new(crown, levels, form, leaves).bound(Vec3::ZERO, length)?;
+    let reach = Reach::new(crown, levels, form, leaves, false);
+    let bound = reach.bound(Vec3::ZERO, length)?;
     let Bound { aabb, sphere } = bound;
     let around = Vec2::splat(aside).extend(0.0);
     Some(Bound {
@@ -75,13 +76,15 @@ impl Content for Reach {
 }
 
 impl Reach {
+    /// `topped`: trunks may be shortened by an envelope, which moves what grows on them down.
     pub(crate) fn new(
         crown: &Crown,
         levels: [&Level; 4],
         form: &TrunkForm,
         leaves: &LeafParams,
+        topped: bool,
     ) -> Self {
-        let pieces: Vec<Piece> = Trunk::new(crown, levels, form).pieces().collect();
+        let pieces: Vec<Piece> = Trunk::new(crown, levels, form, topped).pieces().collect();
         let (mut side, mut up, mut down) = (0.0f32, 0.0f32, 0.0f32);
         for piece in &pieces {
             side = side.max(piece.side + piece.around);
@@ -159,10 +162,12 @@ struct Trunk<'a> {
     widening: f32,
     /// By how much a child's place may lie off its segment.
     astray: f32,
+    /// Whether the trunk may be shorter than foreseen.
+    topped: bool,
 }
 
 impl<'a> Trunk<'a> {
-    fn new(crown: &'a Crown, levels: [&'a Level; 4], form: &'a TrunkForm) -> Self {
+    fn new(crown: &'a Crown, levels: [&'a Level; 4], form: &'a TrunkForm, topped: bool) -> Self {
         let deviation = greatest_deviation(crown.variation);
         let [level, child, ..] = levels;
         let last = crown.levels.min(256) as usize;
@@ -190,6 +195,7 @@ impl<'a> Trunk<'a> {
             child_reach,
             widening: widened,
             astray,
+            topped,
         }
     }
 
@@ -278,7 +284,7 @@ impl<'a> Trunk<'a> {
     /// as thick as the trunk at most.
     fn children(&self, start: f32, end: f32) -> f32 {
         let is_fan = self.child.branches < 0;
-        if !self.has_children || is_fan && end < 1.0 || end < self.bare[0] {
+        if !self.has_children || !self.topped && (is_fan && end < 1.0 || end < self.bare[0]) {
             return 0.0;
         }
         let above = |z: f32, bare: f32| {
@@ -286,7 +292,7 @@ impl<'a> Trunk<'a> {
         };
         let ratio = if is_fan {
             self.widest(0.0, 0.0)
-        } else if self.astray > 0.0 {
+        } else if self.astray > 0.0 || self.topped {
             self.widest(0.0, 1.0)
         } else {
             self.widest(above(end, self.bare[0]), above(start, self.bare[1].min(end)))
@@ -304,18 +310,18 @@ impl<'a> Trunk<'a> {
 
     /// The greatest ShapeRatio between two heights.
     fn widest(&self, low: f32, high: f32) -> f32 {
-        let Crown { shape, envelope, dialect, .. } = self.crown;
+        let Crown { shape, pruning, dialect, .. } = self.crown;
         let peak = match shape {
             CrownShape::Spherical => 0.5,
             CrownShape::Flame | CrownShape::TendFlame => 0.7,
-            CrownShape::Envelope => 1.0 - envelope.width_peak,
+            CrownShape::Envelope => 1.0 - pruning.width_peak,
             CrownShape::Conical
             | CrownShape::Hemispherical
             | CrownShape::Cylindrical
             | CrownShape::TaperedCylindrical
             | CrownShape::InverseConical => low,
         };
-        let at = |r: f32| shape_ratio(*shape, r, envelope, *dialect).max(0.0);
+        let at = |r: f32| shape_ratio(*shape, r, pruning, *dialect).max(0.0);
         at(low).max(at(high)).max(at(peak.clamp(low, high)))
     }
 }

@@ -3,14 +3,14 @@
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
-use crate::weber_penn::Envelope;
+use crate::weber_penn::Pruning;
 use crate::weber_penn::{CrownShape, Dialect};
 
 /// ShapeRatio(shape, r) for r in 0..1: 0 at the top of the crown and 1 at its bottom for
 /// branches, the other way round for leaves.
 ///
 /// In Arbaro's dialect shape 0 is plain r instead of 0.2 + 0.8 r.
-pub(crate) fn shape_ratio(shape: CrownShape, r: f32, envelope: &Envelope, dialect: Dialect) -> f32 {
+pub(crate) fn shape_ratio(shape: CrownShape, r: f32, pruning: &Pruning, dialect: Dialect) -> f32 {
     match shape {
         CrownShape::Conical => conical(r, dialect),
         CrownShape::Spherical => 0.2 + 0.8 * libm::sinf(PI * r),
@@ -20,7 +20,7 @@ pub(crate) fn shape_ratio(shape: CrownShape, r: f32, envelope: &Envelope, dialec
         CrownShape::Flame => flame(r),
         CrownShape::InverseConical => 1.0 - 0.8 * r,
         CrownShape::TendFlame => 0.5 + 0.5 * flame(r),
-        CrownShape::Envelope => envelope_ratio(r, envelope),
+        CrownShape::Envelope => envelope_ratio(r, pruning),
     }
 }
 
@@ -41,14 +41,14 @@ fn flame(r: f32) -> f32 {
 ///
 /// The paper prints 1 - PruneWidthPeak in the denominator below the peak; its diagram, with 1 at
 /// the peak and 0 at the bottom, needs PruneWidthPeak.
-pub(crate) fn envelope_ratio(q: f32, envelope: &Envelope) -> f32 {
-    let peak = 1.0 - envelope.width_peak;
+pub(crate) fn envelope_ratio(q: f32, pruning: &Pruning) -> f32 {
+    let peak = 1.0 - pruning.width_peak;
     if !(0.0..=1.0).contains(&q) {
         0.0
     } else if q < peak {
-        libm::powf(q / peak, envelope.power_high)
+        libm::powf(q / peak, pruning.power_high)
     } else if peak < 1.0 {
-        libm::powf((1.0 - q) / (1.0 - peak), envelope.power_low)
+        libm::powf((1.0 - q) / (1.0 - peak), pruning.power_low)
     } else {
         1.0
     }
@@ -59,8 +59,8 @@ mod tests {
     use super::*;
     use CrownShape as C;
 
-    const ENVELOPE: Envelope =
-        Envelope { ratio: 0.0, width: 0.5, width_peak: 0.6, power_low: 0.5, power_high: 2.0 };
+    const ENVELOPE: Pruning =
+        Pruning { ratio: 0.0, width: 0.5, width_peak: 0.6, power_low: 0.5, power_high: 2.0 };
 
     #[test]
     fn shapes_follow_the_check_table() {
@@ -104,9 +104,9 @@ mod tests {
         assert_eq!(at(0.4), 1.0);
         assert!((at(0.85) - 0.5).abs() < 1e-6);
         for width_peak in [0.0, 1.0] {
-            let envelope = Envelope { width_peak, ..ENVELOPE };
+            let pruning = Pruning { width_peak, ..ENVELOPE };
             for q in [0.0, 0.5, 1.0] {
-                assert!((0.0..=1.0).contains(&envelope_ratio(q, &envelope)));
+                assert!((0.0..=1.0).contains(&envelope_ratio(q, &pruning)));
             }
         }
     }

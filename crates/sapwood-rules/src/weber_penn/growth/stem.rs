@@ -26,6 +26,8 @@ pub struct StemSeed {
     pub length: f32,
     /// Its base radius in metres, before flare.
     pub radius: f32,
+    /// The base radius that it would have if its parent were thick enough for any.
+    pub free_radius: f32,
     /// Metres from the parent's base to where it grows; 0 for a trunk.
     pub offset: f32,
     /// The parent's length in metres; 0 for a trunk.
@@ -44,6 +46,7 @@ content!(StemSeed {
     frame,
     length,
     radius,
+    free_radius,
     offset,
     parent_length,
     parent_radius,

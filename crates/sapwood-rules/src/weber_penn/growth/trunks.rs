@@ -56,6 +56,7 @@ pub fn trunks<E>(
                 frame: Frame::IDENTITY.at(origin).turned_z(angle).turned_x(down),
                 length,
                 radius,
+                free_radius: radius,
                 offset: 0.0,
                 parent_length: 0.0,
                 parent_radius: 0.0,

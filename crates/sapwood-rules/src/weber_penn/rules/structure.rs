@@ -10,12 +10,14 @@ use sapwood_scene::{ChildPath, Context, Placement, Projection, Rule, RuleError, 
 
 use super::super::growth::{Reach, is_attracted};
 use super::super::slots::{
-    CrownSlot, DetailSlot, LeafTargetSlot, LeavesSlot, LevelSlot, StemTargetSlot, TrunkFormSlot,
+    CrownSlot, DetailSlot, IsPrunedSlot, LeafTargetSlot, LeavesSlot, LevelSlot, StemTargetSlot,
+    TrunkFormSlot,
 };
 use super::super::{
     Branch, Children, Crown, LeafTarget, Leaves, Level, Seed, Segment, Stem, StemSeed, StemSurface,
     Stems, Target, Tree, Twigs, children, grow, trunks,
 };
+use super::pruning::{IsPruned, fitted};
 
 /// The parameters of a level.
 fn level(cx: &mut Context<'_>, n: usize) -> Arc<Level> {
@@ -33,7 +35,7 @@ fn charging<'c>(cx: &'c mut Context<'_>) -> impl FnMut(usize) -> Result<(), Inte
 }
 
 /// Turns tree space, z up, into the frame of the component, y up.
-fn upright() -> Affine3 {
+pub(super) fn upright() -> Affine3 {
     // Exact quarter turn: z to y, y to -z.
     Affine3::from_cols(Vec3::X, Vec3::NEG_Z, Vec3::Y, Vec3::ZERO)
 }
@@ -72,14 +74,21 @@ impl Rule for TreeRule {
             }
         };
         let seeds = trunks(&crown, &trunk, path, &mut charging(cx))?;
-        let reach = cx.project(ForeseenReach);
+        let mut reach = cx.project(ForeseenReach { topped: false });
+        let trunks = seeds.iter().map(|seed| (seed.frame.origin, seed.length)).collect();
+        let is_pruned = cx.project(IsPruned { trunks, reach });
+        if is_pruned {
+            reach = cx.project(ForeseenReach { topped: true });
+        }
         cx.transform(upright, |cx| {
-            cx.push::<StemTargetSlot>(stem_target, |cx| {
-                cx.push::<LeafTargetSlot>(leaf_target, |cx| {
-                    for (key, seed) in (0..).zip(seeds) {
-                        let foreseen = reach.bound(seed.frame.origin, seed.length);
-                        cx.emit_keyed(key, Branch { seed }, foreseen);
-                    }
+            cx.push::<IsPrunedSlot>(is_pruned, |cx| {
+                cx.push::<StemTargetSlot>(stem_target, |cx| {
+                    cx.push::<LeafTargetSlot>(leaf_target, |cx| {
+                        for (key, seed) in (0..).zip(seeds) {
+                            let foreseen = reach.bound(seed.frame.origin, seed.length);
+                            cx.emit_keyed(key, Branch { seed }, foreseen);
+                        }
+                    });
                 });
             });
         });
@@ -89,10 +98,15 @@ impl Rule for TreeRule {
 
 /// How far a trunk may reach with everything on it, in steps: most edits of a level make another
 /// tree within the same step, and the tree's own plan stays.
-struct ForeseenReach;
+struct ForeseenReach {
+    /// Whether trunks may have been shortened by an envelope.
+    topped: bool,
+}
 
 impl Content for ForeseenReach {
-    fn write(&self, _: &mut Digester) {}
+    fn write(&self, digester: &mut Digester) {
+        digester.add(&self.topped);
+    }
 }
 
 impl Projection for ForeseenReach {
@@ -116,7 +130,7 @@ impl Projection for ForeseenReach {
         let form = slots.read::<TrunkFormSlot>();
         let leaves = slots.read::<LeavesSlot>().thinned(slots.read::<DetailSlot>().leaves);
         let levels = levels.each_ref().map(|level| &**level);
-        Reach::new(&crown, levels, &form, &leaves).rounded_up(crown.scale)
+        Reach::new(&crown, levels, &form, &leaves, self.topped).rounded_up(crown.scale)
     }
 }
 
@@ -264,6 +278,9 @@ fn grown(
     let target =
         if is_attracted(first.level) { cx.read::<StemTargetSlot>() } else { Arc::new(Target::Up) };
     let level = level(cx, usize::from(first.level));
+    let fitted = fitted(cx, seeds, &crown, &level, &target)?;
+    let origin = fitted.as_ref().map_or(origin, Digest::of);
+    let seeds = fitted.as_deref().unwrap_or(seeds);
     let stems = grow(seeds, &crown, &level, &target, &mut charging(cx))?;
     // The stems follow from these alone, so there is no need to read all segments again for
     // their digest.

@@ -1,0 +1,286 @@
+//! How long stems may grow under an envelope (Weber and Penn 1995, section 4.6).
+//!
+//! A stem is tried with its clones and without children; it is shortened until all its segments
+//! end inside, by the same draws, or given up. Where the envelope comes from is left to others.
+
+use std::ops::Range;
+
+use glam::{Affine3, Vec3};
+use sapwood_geom::{Aabb, Envelope, Profile, Side, Sphere};
+
+use super::children::THINNEST;
+use super::grow::grow;
+use super::stem::{StemSeed, Stems};
+use crate::weber_penn::{Crown, Level, Pruning, Target};
+
+/// Halvings of the interval in which the greatest length that fits is sought: it is found to
+/// 1/4096 of the whole.
+const HALVINGS: u32 = 12;
+
+/// Stems below this share of the tree's size are given up (Arbaro's).
+const SHORTEST_FITTING: f32 = 0.001;
+
+/// By how much a length that a rounding let through is taken back, and how often.
+const TAKEN_BACK: f32 = 1.0 - 1.0 / 1024.0;
+const MOST_TAKEN_BACK: u32 = 16;
+
+/// An envelope, and how firmly stems are held inside of it.
+#[derive(Clone, Debug)]
+pub struct Limit {
+    envelope: Envelope,
+    to_envelope: Option<Affine3>,
+    ratio: f32,
+    holds_trunks: bool,
+}
+
+impl Limit {
+    /// An envelope that stands in tree space. `ratio` is the paper's PruneRatio: 0 leaves stems
+    /// alone, 1 holds them fully inside.
+    ///
+    /// Trunks are shortened where they leave the envelope again after they were inside; what
+    /// stands outside from its foot is kept.
+    pub fn new(envelope: Envelope, ratio: f32) -> Self {
+        Self { envelope, to_envelope: None, ratio, holds_trunks: true }
+    }
+
+    /// The same envelope in the frame that `to_envelope` leads to from tree space.
+    pub fn seen_through(self, to_envelope: Affine3) -> Self {
+        Self { to_envelope: Some(to_envelope), ..self }
+    }
+
+    /// The paper's solid of revolution for a tree of this size in metres, if the species prunes
+    /// by itself. It shapes crowns and does not hold trunks.
+    pub fn of_species(crown: &Crown, scale_tree: f32) -> Option<Self> {
+        let Pruning { ratio, width, width_peak, power_low, power_high } = crown.pruning;
+        if ratio <= 0.0 {
+            return None;
+        }
+        let envelope = Envelope::revolution(Profile {
+            base: crown.base_size * scale_tree,
+            top: scale_tree,
+            width: width * scale_tree,
+            peak: width_peak,
+            power_low,
+            power_high,
+        });
+        Some(Self { envelope, to_envelope: None, ratio, holds_trunks: false })
+    }
+
+    /// On which side everything within these metres of a point in tree space lies.
+    fn side_of(&self, sphere: Sphere) -> Side {
+        let sphere = self.to_envelope.map_or(sphere, |to| sphere.transformed(&to));
+        self.envelope.side_of(&sphere)
+    }
+
+    /// On which side a box in tree space lies.
+    pub fn side_of_box(&self, aabb: &Aabb) -> Side {
+        let aabb = self.to_envelope.map_or(*aabb, |to| aabb.transformed(&to));
+        self.envelope.side_of_box(&aabb)
+    }
+
+    fn contains(&self, point: Vec3) -> bool {
+        let point = self.to_envelope.map_or(point, |to| to.transform_point3(point));
+        self.envelope.contains(point)
+    }
+}
+
+/// How long each of the stems that grow from `seeds` may be under a limit, as a share of its
+/// length: 1 leaves it as it is, 0 gives it up.
+///
+/// The shares are blended by the limit's ratio. Nothing is grown for stems that lie wholly to one
+/// side of the envelope. `level`, `target` and `charge` are those of [`grow`], which is asked
+/// twice for the others, and more often where stems turn toward a point.
+pub fn fit<E>(
+    seeds: &[StemSeed],
+    crown: &Crown,
+    level: &Level,
+    target: &Target,
+    limit: &Limit,
+    charge: &mut impl FnMut(usize) -> Result<(), E>,
+) -> Result<Vec<f32>, E> {
+    let mut shares = vec![1.0; seeds.len()];
+    let mut doubtful = Vec::new();
+    for (i, seed) in seeds.iter().enumerate() {
+        if seed.level == 0 && !limit.holds_trunks {
+            continue;
+        }
+        // Segments end within the stem's length of its base.
+        let reach = Sphere { center: seed.frame.origin, radius: 1.001 * seed.length };
+        match limit.side_of(reach) {
+            Side::Inside => {}
+            Side::Outside if seed.level == 0 => {}
+            Side::Outside => shares[i] = 0.0,
+            Side::Crossing => doubtful.push(i),
+        }
+    }
+    if !doubtful.is_empty() {
+        let trial = Trial { crown, level, target, limit };
+        trial.fit(seeds, &doubtful, &mut shares, charge)?;
+    }
+    for (seed, share) in seeds.iter().zip(&mut shares) {
+        if *share * seed.length < SHORTEST_FITTING * seed.scale_tree {
+            *share = 0.0;
+        }
+        *share = 1.0 - (1.0 - *share) * limit.ratio.clamp(0.0, 1.0);
+    }
+    Ok(shares)
+}
+
+impl StemSeed {
+    /// The seed of the same stem at a share of its length; nothing if it does not grow then.
+    ///
+    /// The base radius follows from the new length, as the paper has it.
+    pub fn shortened(&self, share: f32, crown: &Crown) -> Option<Self> {
+        if share >= 1.0 {
+            return Some(*self);
+        }
+        let thinner = match self.level {
+            0 => share,
+            _ => libm::powf(share, crown.ratio_power),
+        };
+        let free_radius = self.free_radius * thinner;
+        let radius = match self.level {
+            0 => free_radius,
+            _ => free_radius.min(self.parent_radius),
+        };
+        let grows = share > 0.0 && radius > THINNEST;
+        grows.then(|| Self { length: share * self.length, radius, free_radius, ..*self })
+    }
+}
+
+/// Growth that is looked at and thrown away.
+struct Trial<'a> {
+    crown: &'a Crown,
+    level: &'a Level,
+    target: &'a Target,
+    limit: &'a Limit,
+}
+
+impl Trial<'_> {
+    /// Finds the shares of the doubtful ones among the seeds.
+    fn fit<E>(
+        &self,
+        seeds: &[StemSeed],
+        doubtful: &[usize],
+        shares: &mut [f32],
+        charge: &mut impl FnMut(usize) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let tried: Vec<StemSeed> = doubtful.iter().map(|i| seeds[*i]).collect();
+        let stems = self.grown(&tried, charge)?;
+        let mut shortened = Vec::new();
+        for (place, stems_of) in by_seed(&stems, tried.len()).enumerate() {
+            let base = tried[place].frame.origin;
+            let share = if self.fits(&stems, stems_of.clone(), base, 1.0) {
+                continue;
+            } else if self.keeps_shape(tried[place].level) {
+                // The same draws and the same turns: shorter stems are scaled ones.
+                longest(|share| Ok(self.fits(&stems, stems_of.clone(), base, share)))?
+            } else {
+                longest(|share| self.fits_grown(&tried[place], share, charge))?
+            };
+            shares[doubtful[place]] = share;
+            shortened.push(place);
+        }
+        // Scaling rounds otherwise than growing does.
+        for _ in 0..MOST_TAKEN_BACK {
+            shortened.retain(|place| shares[doubtful[*place]] > 0.0);
+            if shortened.is_empty() {
+                return Ok(());
+            }
+            let shorter = |place: &usize| scaled(&tried[*place], shares[doubtful[*place]]);
+            let again: Vec<StemSeed> = shortened.iter().map(shorter).collect();
+            let stems = self.grown(&again, charge)?;
+            let mut ranges = by_seed(&stems, again.len());
+            shortened.retain(|place| {
+                let stems_of = ranges.next().unwrap_or_default();
+                let is_out = !self.fits(&stems, stems_of, tried[*place].frame.origin, 1.0);
+                if is_out {
+                    shares[doubtful[*place]] *= TAKEN_BACK;
+                }
+                is_out
+            });
+        }
+        shortened.iter().for_each(|place| shares[doubtful[*place]] = 0.0);
+        Ok(())
+    }
+
+    /// Whether a shorter stem of this level has the shape of the longer one: turns toward a
+    /// point depend on where a segment stands.
+    fn keeps_shape(&self, level: u8) -> bool {
+        !super::is_attracted(level) || !matches!(self.target, Target::Point(_))
+    }
+
+    fn grown<E>(
+        &self,
+        seeds: &[StemSeed],
+        charge: &mut impl FnMut(usize) -> Result<(), E>,
+    ) -> Result<Stems, E> {
+        grow(seeds, self.crown, self.level, self.target, charge)
+    }
+
+    fn fits_grown<E>(
+        &self,
+        seed: &StemSeed,
+        share: f32,
+        charge: &mut impl FnMut(usize) -> Result<(), E>,
+    ) -> Result<bool, E> {
+        let stems = self.grown(&[scaled(seed, share)], charge)?;
+        Ok(self.fits(&stems, 0..stems.stems.len(), seed.frame.origin, 1.0))
+    }
+
+    /// Whether a stem and its clones fit, were they scaled by `share` about `base`: all segments
+    /// end inside; those of trunks do once one did.
+    fn fits(&self, stems: &Stems, range: Range<usize>, base: Vec3, share: f32) -> bool {
+        let is_inside = |end: Vec3| self.limit.contains(base + share * (end - base));
+        let is_trunk = stems.stems.get(range.start).is_some_and(|stem| stem.seed.level == 0);
+        if !is_trunk {
+            return range.into_iter().all(|stem| {
+                stems.segments_of(stem).iter().all(|segment| is_inside(segment.end()))
+            });
+        }
+        let first = stems.stems[range.start].first_segment as usize;
+        let mut inside: Vec<bool> = Vec::new();
+        for stem in &stems.stems[range] {
+            let before = stem.clone_of.map(|origin| {
+                let origin = &stems.stems[origin as usize];
+                (origin.first_segment + stem.start - 1 - origin.start) as usize - first
+            });
+            let mut was_inside = before.map_or_else(|| is_inside(base), |before| inside[before]);
+            for segment in &stems.segments[stem.segment_range()] {
+                let is = is_inside(segment.end());
+                if was_inside && !is {
+                    return false;
+                }
+                was_inside = is;
+                inside.push(is);
+            }
+        }
+        true
+    }
+}
+
+/// The same seed with a share of its length, its radius left aside.
+fn scaled(seed: &StemSeed, share: f32) -> StemSeed {
+    StemSeed { length: share * seed.length, ..*seed }
+}
+
+/// The stems of each seed: they stand one after the other.
+fn by_seed(stems: &Stems, n_seeds: usize) -> impl Iterator<Item = Range<usize>> + '_ {
+    let mut next = 0;
+    (0..n_seeds).map(move |seed| {
+        let first = next;
+        let n = stems.stems[first..].iter().take_while(|s| s.seed_index as usize == seed).count();
+        next = first + n;
+        first..next
+    })
+}
+
+/// The greatest share below 1 that fits, by halving; 0 where none was met.
+fn longest<E>(mut fits: impl FnMut(f32) -> Result<bool, E>) -> Result<f32, E> {
+    let (mut fitting, mut too_long) = (0.0, 1.0);
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (fitting + too_long);
+        if fits(middle)? { fitting = middle } else { too_long = middle }
+    }
+    Ok(fitting)
+}
