@@ -88,6 +88,13 @@ impl BoxTree {
         Self { all, nodes: widened(&tree.nodes), items }
     }
 
+    /// The numbers of all things that have a box, those together that lie together.
+    pub fn leaves(&self) -> impl Iterator<Item = &[u32]> {
+        let few = self.nodes.is_empty() && !self.items.is_empty();
+        let of_nodes = self.nodes.iter().flat_map(WideNode::leaves);
+        few.then_some(&self.items[..]).into_iter().chain(of_nodes.map(|run| &self.items[run]))
+    }
+
     /// Calls `each` for the number of every thing whose box the ray meets nearer than `reach`, and
     /// of a few more, roughly from near to far. `each` tells how far the ray reaches from then
     /// on.
@@ -170,6 +177,17 @@ mod tests {
         assert_eq!(met(&tree, &along).len(), 100);
         let found = met(&tree, &along.between(0.0, 19.1));
         assert!((0..11).all(|i| found.contains(&i)) && found.len() <= 14, "{found:?}");
+    }
+
+    #[test]
+    fn everything_is_in_one_leaf() {
+        for n in [0, 1, 8, 9, 1000] {
+            let tree = BoxTree::new((0..n).map(|i| cube(i as f32)));
+            let mut found: Vec<u32> = tree.leaves().flatten().copied().collect();
+            found.sort_unstable();
+            assert!(found.into_iter().eq(0..n));
+            assert!(tree.leaves().all(|leaf| !leaf.is_empty() && leaf.len() <= FEW));
+        }
     }
 
     #[test]

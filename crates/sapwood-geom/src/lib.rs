@@ -24,6 +24,7 @@ mod simplify;
 mod smooth;
 mod stream;
 mod sweep;
+mod triangle_pack;
 
 pub use bounds::{Aabb, Bound, Sphere};
 pub use box_tree::BoxTree;
@@ -41,6 +42,7 @@ pub use section::Section;
 pub use simplify::Simplify;
 pub use stream::{Purpose, Stream, StreamPath};
 pub use sweep::{Around, Cap, Ring, Sweep, SweepOptions, SweepStart};
+pub use triangle_pack::TrianglePack;
 
 /// The maths library in the version that Sapwood is built with.
 pub use glam;

@@ -81,6 +81,14 @@ pub struct MeshHit32 {
     pub is_front: bool,
 }
 
+/// Triangles as they lie together in the tree.
+impl MeshBvh {
+    /// Every triangle that may be met, in groups of a few neighbours.
+    pub fn groups(&self) -> impl Iterator<Item = &[u32]> {
+        self.0.leaves()
+    }
+}
+
 /// Rays in single precision.
 impl MeshBvh {
     /// The nearest hit before `reach` that `accept` agrees to, on the mesh that the tree was made
@@ -95,7 +103,7 @@ impl MeshBvh {
         let mut nearest: Option<MeshHit32> = None;
         let mut limit = reach;
         self.0.along32(ray, reach, |triangle| {
-            if let Some(hit) = meet32(mesh, ray, triangle)
+            if let Some(hit) = MeshHit32::on(mesh, ray, triangle)
                 && (hit.distance < limit
                     || nearest.is_some_and(|old| (hit.distance, triangle) < (limit, old.triangle)))
                 && accept(&hit)
@@ -119,7 +127,7 @@ impl MeshBvh {
         let mut is_met = false;
         self.0.along32(ray, reach, |triangle| {
             is_met = is_met
-                || meet32(mesh, ray, triangle)
+                || MeshHit32::on(mesh, ray, triangle)
                     .is_some_and(|hit| hit.distance < reach && accept(&hit));
             if is_met { -1.0 } else { reach }
         });
@@ -127,30 +135,33 @@ impl MeshBvh {
     }
 }
 
-/// Where the ray meets a triangle. On which side of an edge it passes is asked of the same two
-/// corners on both triangles of the edge, so that nothing slips through between them.
-#[inline]
-fn meet32(mesh: &Mesh, ray: &Ray32, triangle: u32) -> Option<MeshHit32> {
-    let first = 3 * triangle as usize;
-    let corner = |i| mesh.positions[mesh.indices[first + i] as usize] - ray.origin;
-    let (a, b, c) = (corner(0), corner(1), corner(2));
-    let volume = |from: Vec3, to: Vec3| ray.direction.dot(from.cross(to));
-    let weights = Vec3::new(volume(c, b), volume(a, c), volume(b, a));
-    let is_front = weights.min_element() >= 0.0;
-    if !is_front && weights.max_element() > 0.0 {
-        return None;
+impl MeshHit32 {
+    /// Where the ray meets a triangle of a sound mesh. On which side of an edge it passes is asked
+    /// of the same two corners on both triangles of the edge, so that nothing slips through
+    /// between them.
+    #[inline]
+    pub fn on(mesh: &Mesh, ray: &Ray32, triangle: u32) -> Option<Self> {
+        let first = 3 * triangle as usize;
+        let corner = |i| mesh.positions[mesh.indices[first + i] as usize] - ray.origin;
+        let (a, b, c) = (corner(0), corner(1), corner(2));
+        let volume = |from: Vec3, to: Vec3| ray.direction.dot(from.cross(to));
+        let weights = Vec3::new(volume(c, b), volume(a, c), volume(b, a));
+        let is_front = weights.min_element() >= 0.0;
+        if !is_front && weights.max_element() > 0.0 {
+            return None;
+        }
+        let whole = weights.element_sum();
+        let weights = weights / whole;
+        let normal = (b - a).cross(c - a);
+        let distance = a.dot(normal) / ray.direction.dot(normal);
+        // Thin triangles, seen along their plane, have no distance.
+        (distance >= 0.0 && distance.is_finite() && weights.is_finite()).then_some(Self {
+            distance,
+            triangle,
+            weights,
+            is_front,
+        })
     }
-    let whole = weights.element_sum();
-    let weights = weights / whole;
-    let normal = (b - a).cross(c - a);
-    let distance = a.dot(normal) / ray.direction.dot(normal);
-    // Thin triangles, seen along their plane, have no distance.
-    (distance >= 0.0 && distance.is_finite() && weights.is_finite()).then_some(MeshHit32 {
-        distance,
-        triangle,
-        weights,
-        is_front,
-    })
 }
 
 /// The nearest hit within `reach` on a mesh after a transform that may flatten it, with the ray

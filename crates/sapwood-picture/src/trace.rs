@@ -1,10 +1,10 @@
 //! Rays through the world: what one meets first, and whether anything stops it.
 
 use sapwood_geom::glam::{Affine3, Vec2, Vec3};
-use sapwood_geom::{MeshHit32, Ray32};
+use sapwood_geom::{MeshHit32, Ray32, SharedMesh};
 use smallvec::{SmallVec, smallvec};
 
-use crate::world::{Cluster, Item, Look, Surface, World};
+use crate::world::{Item, Look, Place, Surface, World};
 
 /// Clusters that one ray may go through, so that no graph keeps a picture busy for ever; where
 /// many are ahead, each counts for as many as it takes to find the nearest.
@@ -103,6 +103,8 @@ impl World {
     pub(crate) fn nearest(&self, ray: &Ray32, reach: f32, chance: f32) -> Met {
         let mut met = Met::Nothing;
         let mut limit = reach;
+        // The place and the triangle, where that is the nearest so far.
+        let mut on: Option<(u32, u32)> = None;
         let mut ahead = Ahead::new(ray);
         while let Some(next) = ahead.next() {
             if next.enters > limit {
@@ -113,24 +115,39 @@ impl World {
             }
             let cluster = &self.clusters[next.cluster as usize];
             cluster.tree.along32(&next.ray, limit, |number| {
-                match &cluster.items[number as usize] {
-                    Item::Surface { surface, to_local } => {
-                        let Surface { mesh, look } = &self.surfaces[*surface as usize];
-                        let look = &self.looks[*look as usize];
-                        let ray = next.ray.transformed(to_local);
-                        let hit = mesh.bvh().nearest32(mesh, &ray, limit, |hit| {
-                            (hit.is_front || look.is_double_sided())
-                                && is_there(mesh, look, hit, chance)
-                        });
+                match cluster.items[number as usize] {
+                    Item::Triangles { place, first, n_packs } => {
+                        let near = self.approached(place, &next.ray);
+                        for pack in self.packs.of(first, n_packs) {
+                            for triangle in pack.on_the_way(&near.ray) {
+                                let Some(hit) = MeshHit32::on(near.mesh, &near.ray, triangle)
+                                else {
+                                    continue;
+                                };
+                                // As near, the first on its mesh goes before.
+                                let precedes = hit.distance < limit
+                                    || hit.distance == limit
+                                        && on.is_some_and(|(p, t)| p == place && triangle < t);
+                                if precedes && near.is_seen(&hit, chance) {
+                                    limit = hit.distance;
+                                    on = Some((place, triangle));
+                                    met = near.met(hit, &next.to_local);
+                                }
+                            }
+                        }
+                    }
+                    Item::Surface(place) => {
+                        let near = self.approached(place, &next.ray);
+                        let accept = |hit: &MeshHit32| near.is_seen(hit, chance);
+                        let hit = near.mesh.bvh().nearest32(near.mesh, &near.ray, limit, accept);
                         if let Some(hit) = hit {
                             limit = hit.distance;
-                            let to_local = *to_local * next.to_local;
-                            let thing = Thing::Triangle { surface: *surface, hit, to_local };
-                            met = Met::Hit(Hit { distance: hit.distance, thing });
+                            on = None;
+                            met = near.met(hit, &next.to_local);
                         }
                     }
                     Item::Line(piece) => {
-                        if let Some(hit) = piece.meet(&next.ray)
+                        if let Some(hit) = self.lines[piece as usize].meet(&next.ray)
                             && hit.distance < limit
                         {
                             limit = hit.distance;
@@ -140,15 +157,15 @@ impl World {
                         }
                     }
                     Item::Waiting(wait) => {
-                        if let Some(distance) = self.waits_at(*wait, &next.ray)
+                        if let Some(distance) = self.waits_at(wait, &next.ray)
                             && distance < limit
                         {
                             limit = distance;
-                            met = Met::Waiting(*wait);
+                            met = Met::Waiting(wait);
                         }
                     }
-                    Item::Cluster { cluster, to_local } => {
-                        ahead.pending.extend(self.entered(*cluster, to_local, &next, limit));
+                    Item::Cluster(place) => {
+                        ahead.pending.extend(self.entered(place, &next, limit));
                     }
                     Item::Nothing => {}
                 }
@@ -167,32 +184,41 @@ impl World {
             if ahead.n_left == 0 {
                 return Passage::TooMuch;
             }
-            let cluster: &Cluster = &self.clusters[next.cluster as usize];
+            let cluster = &self.clusters[next.cluster as usize];
             cluster.tree.along32(&next.ray, reach, |number| {
-                match &cluster.items[number as usize] {
-                    Item::Surface { surface, to_local } => {
-                        let Surface { mesh, look } = &self.surfaces[*surface as usize];
-                        let look = &self.looks[*look as usize];
-                        let ray = next.ray.transformed(to_local);
-                        is_stopped = is_stopped
-                            || mesh.bvh().is_met32(mesh, &ray, reach, |hit| {
-                                is_there(mesh, look, hit, chance)
-                            });
+                if is_stopped {
+                    return -1.0;
+                }
+                match cluster.items[number as usize] {
+                    Item::Triangles { place, first, n_packs } => {
+                        let near = self.approached(place, &next.ray);
+                        let packs = self.packs.of(first, n_packs).iter();
+                        let mut triangles = packs.flat_map(|pack| pack.on_the_way(&near.ray));
+                        is_stopped = triangles.any(|triangle| {
+                            MeshHit32::on(near.mesh, &near.ray, triangle).is_some_and(|hit| {
+                                hit.distance < reach && near.is_there(&hit, chance)
+                            })
+                        });
+                    }
+                    Item::Surface(place) => {
+                        let near = self.approached(place, &next.ray);
+                        let accept = |hit: &MeshHit32| near.is_there(hit, chance);
+                        is_stopped = near.mesh.bvh().is_met32(near.mesh, &near.ray, reach, accept);
                     }
                     Item::Line(piece) => {
-                        let hit = piece.meet(&next.ray);
-                        is_stopped |= hit.is_some_and(|hit| hit.distance < reach);
+                        let hit = self.lines[piece as usize].meet(&next.ray);
+                        is_stopped = hit.is_some_and(|hit| hit.distance < reach);
                     }
                     Item::Waiting(wait) => {
-                        if let Some(distance) = self.waits_at(*wait, &next.ray)
-                            && waiting.is_none_or(|nearest| (distance, *wait) < nearest)
+                        if let Some(distance) = self.waits_at(wait, &next.ray)
+                            && waiting.is_none_or(|nearest| (distance, wait) < nearest)
                             && distance < reach
                         {
-                            waiting = Some((distance, *wait));
+                            waiting = Some((distance, wait));
                         }
                     }
-                    Item::Cluster { cluster, to_local } => {
-                        ahead.pending.extend(self.entered(*cluster, to_local, &next, reach));
+                    Item::Cluster(place) => {
+                        ahead.pending.extend(self.entered(place, &next, reach));
                     }
                     Item::Nothing => {}
                 }
@@ -212,24 +238,53 @@ impl World {
     }
 
     /// A cluster in another one, if a ray enters it before `reach`.
-    fn entered(
-        &self,
-        cluster: u32,
-        to_local: &Affine3,
-        above: &Pending,
-        reach: f32,
-    ) -> Option<Pending> {
+    fn entered(&self, place: u32, above: &Pending, reach: f32) -> Option<Pending> {
+        let Place { to_local, number: cluster } = &self.places[place as usize];
         let ray = above.ray.transformed(to_local);
-        let enters = ray.enters(&self.clusters[cluster as usize].aabb)?;
+        let enters = ray.enters(&self.clusters[*cluster as usize].aabb)?;
         let to_local = *to_local * above.to_local;
-        (enters <= reach).then_some(Pending { enters, cluster, ray, to_local })
+        (enters <= reach).then_some(Pending { enters, cluster: *cluster, ray, to_local })
+    }
+
+    /// A surface and a ray, seen from its frame.
+    #[inline]
+    fn approached(&self, place: u32, ray: &Ray32) -> Approached<'_> {
+        let Place { to_local, number: surface } = &self.places[place as usize];
+        let Surface { mesh, look } = &self.surfaces[*surface as usize];
+        let look = &self.looks[*look as usize];
+        Approached { surface: *surface, mesh, look, to_local, ray: ray.transformed(to_local) }
     }
 }
 
-/// Whether a surface is there where it was hit.
-#[inline]
-fn is_there(mesh: &sapwood_geom::Mesh, look: &Look, hit: &MeshHit32, chance: f32) -> bool {
-    !look.has_holes || look.is_there(uv_at(mesh, hit), chance)
+/// A surface that a ray comes by.
+struct Approached<'a> {
+    surface: u32,
+    mesh: &'a SharedMesh,
+    look: &'a Look,
+    /// From the cluster's frame to the mesh's.
+    to_local: &'a Affine3,
+    /// In the mesh's frame.
+    ray: Ray32,
+}
+
+impl Approached<'_> {
+    /// Whether the surface is there where it was hit.
+    #[inline]
+    fn is_there(&self, hit: &MeshHit32, chance: f32) -> bool {
+        !self.look.has_holes || self.look.is_there(uv_at(self.mesh, hit), chance)
+    }
+
+    /// Whether it is, and is seen from the side that was hit.
+    #[inline]
+    fn is_seen(&self, hit: &MeshHit32, chance: f32) -> bool {
+        (hit.is_front || self.look.is_double_sided()) && self.is_there(hit, chance)
+    }
+
+    fn met(&self, hit: MeshHit32, outside: &Affine3) -> Met {
+        let to_local = *self.to_local * *outside;
+        let thing = Thing::Triangle { surface: self.surface, hit, to_local };
+        Met::Hit(Hit { distance: hit.distance, thing })
+    }
 }
 
 /// The texture coordinate of a hit.

@@ -99,6 +99,14 @@ impl WideNode {
             Child::Node(child)
         }
     }
+
+    /// The places of the things of every leaf in it.
+    pub(super) fn leaves(&self) -> impl Iterator<Item = Range<usize>> {
+        (0..WIDTH).filter_map(|lane| match self.child(lane) {
+            Child::Items(places) => Some(places),
+            Child::Node(_) | Child::Nothing => None,
+        })
+    }
 }
 
 /// What is in one of a node's boxes.

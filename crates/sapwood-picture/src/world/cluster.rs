@@ -3,7 +3,7 @@
 use sapwood_geom::glam::Affine3;
 use sapwood_geom::{Aabb, BoxTree};
 
-use super::{LinePiece, World};
+use super::World;
 
 /// Things in one frame.
 pub(crate) struct Cluster {
@@ -16,28 +16,36 @@ pub(crate) struct Cluster {
     pub(super) above: Option<u32>,
 }
 
-/// A thing that a ray may meet.
+/// A thing that a ray may meet. Small, so that many fit into a processor's caches.
+#[derive(Clone, Copy)]
 pub(crate) enum Item {
-    /// A mesh.
-    Surface {
-        /// Its number.
-        surface: u32,
-        /// From the cluster's frame to its own.
-        to_local: Affine3,
+    /// A few triangles of a mesh.
+    Triangles {
+        /// The number of the mesh's place.
+        place: u32,
+        /// Their first pack.
+        first: u32,
+        /// How many packs they fill.
+        n_packs: u8,
     },
-    /// A straight piece of a line.
-    Line(LinePiece),
-    /// Another cluster.
-    Cluster {
-        /// Its number.
-        cluster: u32,
-        /// From this cluster's frame to its own.
-        to_local: Affine3,
-    },
+    /// A mesh with many triangles, by the number of its place.
+    Surface(u32),
+    /// A straight piece of a line, by its number.
+    Line(u32),
+    /// Another cluster, by the number of its place.
+    Cluster(u32),
     /// The number of a link that is not filled.
     Waiting(u32),
     /// What turned out to draw nothing.
     Nothing,
+}
+
+/// Where a surface or a cluster stands in the cluster that holds it.
+pub(crate) struct Place {
+    /// From the frame of the cluster that holds it to its own.
+    pub(crate) to_local: Affine3,
+    /// The number of the surface or of the cluster.
+    pub(crate) number: u32,
 }
 
 impl Cluster {
@@ -47,16 +55,26 @@ impl Cluster {
 
     /// The boxes of all items in the cluster's frame.
     pub(super) fn boxes(&self, world: &World) -> Vec<Aabb> {
-        let boxes = self.items.iter().map(|item| match item {
-            Item::Surface { surface, to_local, .. } => {
-                let bound = world.surfaces[*surface as usize].mesh.bound();
-                bound.transformed(&to_local.inverse()).aabb
+        let place = |place: u32| {
+            let Place { to_local, number } = &world.places[place as usize];
+            (to_local.inverse(), *number as usize)
+        };
+        let boxes = self.items.iter().map(|item| match *item {
+            Item::Triangles { place: at, first, n_packs } => {
+                let (frame, _) = place(at);
+                let packs = world.packs.of(first, n_packs).iter();
+                packs.map(|pack| pack.aabb(&frame)).fold(Aabb::EMPTY, Aabb::union)
             }
-            Item::Line(piece) => piece.aabb(),
-            Item::Cluster { cluster, to_local } => {
-                world.clusters[*cluster as usize].aabb.transformed(&to_local.inverse())
+            Item::Surface(at) => {
+                let (frame, surface) = place(at);
+                world.surfaces[surface].mesh.bound().transformed(&frame).aabb
             }
-            Item::Waiting(wait) => world.waits[*wait as usize].bound.aabb,
+            Item::Line(piece) => world.lines[piece as usize].aabb(),
+            Item::Cluster(at) => {
+                let (frame, cluster) = place(at);
+                world.clusters[cluster].aabb.transformed(&frame)
+            }
+            Item::Waiting(wait) => world.waits[wait as usize].bound.aabb,
             Item::Nothing => Aabb::EMPTY,
         });
         boxes.collect()

@@ -4,7 +4,7 @@ use sapwood_geom::glam::Affine3;
 use sapwood_geom::{FixedSet, SharedMesh, fixed_state};
 use sapwood_graph::{EnvId, Interrupted, RenderNode, Run, SiteId, Supplied, Supply};
 
-use super::{Cluster, Item, LinePiece, MOST_ITEMS, PlacedLight, Surface, Wait, World};
+use super::{Cluster, Item, LinePiece, MOST_ITEMS, Place, PlacedLight, Surface, Wait, World};
 
 /// A site to be gathered into a cluster.
 #[derive(Clone, Copy)]
@@ -70,7 +70,7 @@ impl<'a> Gather<'a> {
         if !stands_alone {
             self.world.clusters.push(Cluster::new(task.above));
             self.tasks.push((next, task));
-            return Item::Cluster { cluster: next, to_local: Affine3::IDENTITY };
+            return Item::Cluster(self.world.place(Affine3::IDENTITY, next));
         }
         let cluster = *self.world.cluster_of.entry(task.site).or_insert(next);
         if cluster == next {
@@ -78,7 +78,7 @@ impl<'a> Gather<'a> {
             let (base, outside) = (Affine3::IDENTITY, task.outside * task.base);
             self.tasks.push((cluster, Task { base, outside, above: None, ..task }));
         }
-        Item::Cluster { cluster, to_local }
+        Item::Cluster(self.world.place(to_local, cluster))
     }
 
     /// Fills a cluster with a site and what is below it, up to the next clusters.
@@ -102,10 +102,11 @@ impl<'a> Gather<'a> {
         // The same at the same place is seen once.
         let mut known = FixedSet::with_hasher(fixed_state());
         for item in &mut items {
-            if let Item::Cluster { cluster, to_local } = item
-                && !known.insert((*cluster, to_local.to_cols_array().map(f32::to_bits)))
-            {
-                *item = Item::Nothing;
+            if let Item::Cluster(place) = item {
+                let Place { to_local, number } = &self.world.places[*place as usize];
+                if !known.insert((*number, to_local.to_cols_array().map(f32::to_bits))) {
+                    *item = Item::Nothing;
+                }
             }
         }
         self.world.clusters[cluster as usize].items = items;
@@ -161,10 +162,12 @@ impl<'a> Gather<'a> {
                     let piece = |i: usize| {
                         let ends = [i, i + 1].map(|i| frame.transform_point3(line.points[i]));
                         let radii = [line.radii[i], line.radii[i + 1]];
-                        let piece = LinePiece::new(ends, radii, &width, &task.outside);
-                        Item::Line(piece)
+                        LinePiece::new(ends, radii, &width, &task.outside)
                     };
-                    items.extend((0..line.points.len().saturating_sub(1)).map(piece));
+                    let first = self.world.lines.len() as u32;
+                    let n_pieces = line.points.len().saturating_sub(1);
+                    self.world.lines.extend((0..n_pieces).map(piece));
+                    items.extend((first..).take(n_pieces).map(Item::Line));
                 }
                 return;
             }
@@ -195,7 +198,7 @@ impl<'a> Gather<'a> {
             let frame = *frame * *transform;
             let to_local = frame.inverse();
             if to_local.is_finite() {
-                items.push(Item::Surface { surface, to_local });
+                self.stand(surface, to_local, transforms.len() == 1, items);
             } else if frame.is_finite() {
                 // Nobody can be inside a flat frame, so its triangles are taken out of it.
                 let mut flat = sapwood_geom::Mesh::default();
@@ -203,10 +206,16 @@ impl<'a> Gather<'a> {
                 // Its own copy, unlike all others.
                 self.world.n_items += mesh.n_triangles() as u64;
                 let surface = self.surface(SharedMesh::new(flat), look);
-                let to_local = Affine3::IDENTITY;
-                items.push(Item::Surface { surface, to_local });
+                self.stand(surface, Affine3::IDENTITY, true, items);
             }
         }
+    }
+
+    /// Adds a surface at a place.
+    fn stand(&mut self, surface: u32, to_local: Affine3, alone: bool, items: &mut Vec<Item>) {
+        let place = self.world.place(to_local, surface);
+        let World { surfaces, packs, .. } = &mut *self.world;
+        packs.put(&surfaces[surface as usize].mesh, place, alone, items);
     }
 
     fn surface(&mut self, mesh: SharedMesh, look: u32) -> u32 {
@@ -289,7 +298,10 @@ impl<'a> Gather<'a> {
             stack.push((cluster, true));
             let items = &self.world.clusters[cluster as usize].items;
             stack.extend(items.iter().filter_map(|item| match item {
-                Item::Cluster { cluster, .. } if *cluster >= first => Some((*cluster, false)),
+                Item::Cluster(place) => {
+                    let cluster = self.world.places[*place as usize].number;
+                    (cluster >= first).then_some((cluster, false))
+                }
                 _ => None,
             }));
         }

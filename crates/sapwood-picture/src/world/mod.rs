@@ -1,13 +1,15 @@
 //! What rays meet: everything that is compiled, and a bound for everything that is not yet.
 //!
-//! Two levels: trees over things, and a tree over triangles with each mesh. A *cluster* is what
-//! one tree holds: the scene's root has one, and so has every component whose bound was foreseen,
-//! and everything large that is shared, which then is there once however often it occurs.
+//! Two levels: trees over things, down to the triangles of small meshes, and a tree over triangles
+//! with each large mesh. A *cluster* is what one tree holds: the scene's root has one, and so has
+//! every component whose bound was foreseen, and everything large that is shared, which then is
+//! there once however often it occurs.
 
 mod cluster;
 mod gather;
 mod line;
 mod look;
+mod packs;
 mod survey;
 mod wanted;
 
@@ -17,25 +19,30 @@ use sapwood_geom::glam::{Affine3, Vec3};
 use sapwood_geom::{Bound, Digest, FixedMap, SharedMesh, fixed_state};
 use sapwood_graph::{EnvId, Interrupted, Light, Material, Provide, SiteId, Supplied, discover};
 
-pub(crate) use cluster::{Cluster, Item};
+pub(crate) use cluster::{Cluster, Item, Place};
 pub(crate) use line::{LinePiece, LineWidth};
 pub(crate) use look::{Look, Matter};
 
 use gather::{Gather, Task};
+use packs::Packs;
 use survey::Survey;
 use wanted::Wanted;
 
 use crate::texture::Textures;
 
 /// Things and sites that a world may hold, so that no graph fills all memory: with their boxes and
-/// their share of a tree about 150 bytes each.
+/// their share of a tree about 150 bytes each, and 160 more where triangles lie open.
 const MOST_ITEMS: u64 = 1 << 24;
 
 /// What rays meet.
 pub(crate) struct World {
     /// The root's is the first.
     pub(crate) clusters: Vec<Cluster>,
+    /// Where the surfaces and clusters in them stand.
+    pub(crate) places: Vec<Place>,
     pub(crate) surfaces: Vec<Surface>,
+    pub(crate) packs: Packs,
+    pub(crate) lines: Vec<LinePiece>,
     pub(crate) looks: Vec<Look>,
     pub(crate) waits: Vec<Wait>,
     pub(crate) lights: Vec<PlacedLight>,
@@ -87,7 +94,10 @@ impl World {
     ) -> Result<Self, Interrupted> {
         let mut world = Self {
             clusters: Vec::new(),
+            places: Vec::new(),
             surfaces: Vec::new(),
+            packs: Packs::default(),
+            lines: Vec::new(),
             looks: Vec::new(),
             waits: Vec::new(),
             lights: Vec::new(),
@@ -164,6 +174,12 @@ impl World {
         }
         links.reverse();
         links
+    }
+
+    /// The number of a place.
+    fn place(&mut self, to_local: Affine3, number: u32) -> u32 {
+        self.places.push(Place { to_local, number });
+        self.places.len() as u32 - 1
     }
 
     /// The number of a material's look.
