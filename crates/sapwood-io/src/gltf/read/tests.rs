@@ -7,7 +7,10 @@ use super::*;
 mod damage;
 mod features;
 mod hostile;
+mod images;
+mod places;
 mod round_trip;
+mod trees;
 mod unfolding;
 
 /// A document with one triangle, and its buffer.
