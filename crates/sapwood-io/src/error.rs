@@ -50,6 +50,20 @@ pub enum ErrorKind {
         /// What the parser met and what it expected.
         message: String,
     },
+    /// A model whose triangles enclose nothing.
+    NoSolid {
+        /// What is wrong with them.
+        fault: String,
+    },
+    /// A value that stands for no shape, or for one that cannot be read.
+    UnreadShape {
+        /// The dotted key.
+        key: String,
+        /// The words.
+        text: String,
+        /// What is wrong with them.
+        fault: String,
+    },
     /// XML with a document type declaration; entities and external files are never followed.
     DocumentType,
     /// XML whose elements are nested deeper than any file of its kind needs.
@@ -341,6 +355,10 @@ impl fmt::Display for ErrorKind {
                 "a document type declaration is refused; entities and external files are not read",
             ),
             Self::TooDeep { limit } => write!(f, "elements are nested more than {limit} deep"),
+            Self::UnreadShape { key, text, fault } => {
+                write!(f, "{key} is {text:?}: {fault}")
+            }
+            Self::NoSolid { fault } => write!(f, "{fault} (accepted: a closed surface)"),
             Self::Unexpected { found, within, accepted } => {
                 write!(f, "unexpected {found} in {within} (accepted: {accepted})")
             }

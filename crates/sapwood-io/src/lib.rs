@@ -10,6 +10,7 @@ mod obj;
 mod parts;
 mod png;
 mod raster;
+mod shape;
 mod sound;
 mod species;
 mod spelling;
@@ -23,6 +24,7 @@ pub use error::{Error, ErrorKind, Place};
 pub use obj::{obj_image_path, obj_material_path, write_obj};
 pub use png::write_png;
 pub use raster::read_image;
+pub use shape::{SHAPES, Shape, ShapeFault};
 pub use species::{
     built_in, built_in_names, built_in_text, find_species, parse_species, read_species, suggest,
     write_species,

@@ -56,7 +56,7 @@ pub fn read_species(path: impl AsRef<Path>) -> Result<Species, Error> {
     let file = path.display().to_string();
     let text = read_text(path).map_err(|error| error.in_file(&file))?;
     let ending = path.extension().unwrap_or_default();
-    parse(&text, &file, ending.eq_ignore_ascii_case("xml"))
+    parse(&text, &file, path.parent(), ending.eq_ignore_ascii_case("xml"))
 }
 
 fn read_text(path: &Path) -> Result<Vec<u8>, Error> {
@@ -87,16 +87,16 @@ fn read_text(path: &Path) -> Result<Vec<u8>, Error> {
 /// not accept; in XML also a document type, a parameter given twice and whatever has no place in
 /// Arbaro's files. All errors of the text are found in one go, up to 20; see [`Error::all`].
 pub fn parse_species(text: &str, file_name: &str) -> Result<Species, Error> {
-    parse(text.as_bytes(), file_name, false)
+    parse(text.as_bytes(), file_name, None, false)
 }
 
-fn parse(text: &[u8], file: &str, is_xml: bool) -> Result<Species, Error> {
+fn parse(text: &[u8], file: &str, folder: Option<&Path>, is_xml: bool) -> Result<Species, Error> {
     let bytes = text.len() as u64;
     if bytes > LONGEST {
         let error = Error::new(ErrorKind::TooLong { bytes, limit: LONGEST });
         return Err(error.in_file(file));
     }
-    let source = source::Source::new(text, file)?;
+    let source = source::Source::new(text, file)?.beside(folder);
     // No TOML begins like this.
     if is_xml || source.text.trim_start().starts_with('<') {
         arbaro::species(&source)

@@ -5,14 +5,16 @@
 
 use std::ops::Range;
 
-use sapwood_rules::weber_penn::{self as model, Accepted, Key, LeafShape, Species, Value};
+use sapwood_rules::weber_penn::{
+    self as model, Accepted, Key, LeafShape, Species, Value, WrittenEnvelope,
+};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::found::{Found, MOST_ERRORS};
 use super::source::{Source, shortened};
 use crate::spelling::nearest;
-use crate::{Error, ErrorKind};
+use crate::{Error, ErrorKind, Shape};
 
 /// Keys without which nothing says what tree is meant.
 const REQUIRED: [&str; 5] = ["name", "shape", "scale", "levels", "ratio"];
@@ -133,6 +135,7 @@ impl Reader<'_> {
                 | Accepted::LeafTarget,
                 DeValue::String(text),
             ) => return Some(Value::Text(text.to_string())),
+            (Accepted::Envelope, DeValue::String(text)) => return self.envelope(key, text, value),
             (Accepted::Texts, DeValue::Array(_)) => return self.texts(key, value),
             (
                 Accepted::Numbers { .. } | Accepted::Target | Accepted::LeafTarget,
@@ -221,6 +224,23 @@ impl Reader<'_> {
             }
         }
         Some(Value::Texts(texts))
+    }
+
+    /// The shape that the words stand for; a file that they name is looked for beside this one.
+    fn envelope(&mut self, key: &str, text: &str, value: &Spanned<DeValue<'_>>) -> Option<Value> {
+        let fault = match text.parse::<Shape>() {
+            Ok(shape) => match shape.envelope(self.errors.source.folder) {
+                Ok(envelope) => {
+                    let text = text.to_owned();
+                    return Some(Value::Envelope(WrittenEnvelope { text, envelope }));
+                }
+                Err(error) => error.to_string(),
+            },
+            Err(fault) => fault.to_string(),
+        };
+        let kind = ErrorKind::UnreadShape { key: key.to_owned(), text: shortened(text), fault };
+        self.errors.add(kind, Some(value.span()));
+        None
     }
 
     fn wrong_type(&mut self, key: &str, expected: &str, found: &DeValue<'_>, span: Range<usize>) {

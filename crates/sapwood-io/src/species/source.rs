@@ -1,6 +1,7 @@
 //! The text of a file, and where in it things stand.
 
 use std::ops::Range;
+use std::path::Path;
 
 use crate::{Error, ErrorKind, Place};
 
@@ -9,6 +10,8 @@ pub(super) struct Source<'a> {
     /// The text without a byte-order mark.
     pub(super) text: &'a str,
     file: &'a str,
+    /// From where the paths of further files are taken; the working folder, if there is none.
+    pub(super) folder: Option<&'a Path>,
 }
 
 impl<'a> Source<'a> {
@@ -16,15 +19,20 @@ impl<'a> Source<'a> {
     pub(super) fn new(bytes: &'a [u8], file: &'a str) -> Result<Self, Error> {
         let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
         match std::str::from_utf8(bytes) {
-            Ok(text) => Ok(Self { text, file }),
+            Ok(text) => Ok(Self { text, file, folder: None }),
             Err(error) => {
                 let (good, _) = bytes.split_at(error.valid_up_to());
                 // The part before the fault is UTF-8, by the meaning of `valid_up_to`.
                 let text = std::str::from_utf8(good).unwrap_or_default();
-                let source = Self { text, file };
+                let source = Self { text, file, folder: None };
                 Err(source.error(ErrorKind::NotUtf8, Some(text.len())))
             }
         }
+    }
+
+    /// The same text; further files that it names are looked for in `folder`.
+    pub(super) fn beside(self, folder: Option<&'a Path>) -> Self {
+        Self { folder, ..self }
     }
 
     /// An error of this file, at a byte of its text if there is one to name.

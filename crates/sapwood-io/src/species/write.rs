@@ -39,6 +39,7 @@ fn literal(value: &Value) -> String {
         Value::Text(text) => quoted(text),
         Value::Texts(texts) => list(texts.iter().map(|text| quoted(text))),
         Value::Numbers(numbers) => list(numbers.iter().copied().map(float)),
+        Value::Envelope(written) => quoted(&written.text),
         Value::Point(point) => format!("{{ point = {} }}", list(point.iter().copied().map(float))),
     }
 }

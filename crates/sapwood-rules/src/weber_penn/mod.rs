@@ -34,6 +34,6 @@ pub use slots::{
 };
 pub use species::{
     Accepted, BarkSpec, CrownShape, Dialect, Fault, Key, LeafShape, LeafTarget, LeavesSpec,
-    LevelSpec, Origin, PruningSpec, Species, Target, TreeGenExt, TrunkSpec, Value, Variation, key,
-    keys,
+    LevelSpec, Origin, PruningSpec, Species, Target, TreeGenExt, TrunkSpec, Value, Variation,
+    WrittenEnvelope, key, keys,
 };

@@ -5,7 +5,8 @@
 //! surface. A parameter of the leaves changes [`LeafParams`] alone; one of level n changes the
 //! [`Level`] n alone, and the leaves if they take their angles from there.
 
-use sapwood_geom::content;
+use glam::{Affine3, Vec3};
+use sapwood_geom::{Envelope, content};
 
 use super::growth::flare_factor;
 use super::{CrownShape, Dialect, LeafShape, LeafTarget, PruningSpec, Species, Target, Variation};
@@ -101,14 +102,26 @@ pub struct Pruning {
     pub power_low: f32,
     /// PrunePowerHigh.
     pub power_high: f32,
+    /// What holds the tree instead of the solid that these numbers describe; in tree space.
+    pub envelope: Option<Envelope>,
 }
 
-content!(Pruning { ratio, width, width_peak, power_low, power_high });
+content!(Pruning { ratio, width, width_peak, power_low, power_high, envelope });
 
 impl Pruning {
     fn new(spec: &PruningSpec) -> Self {
-        let &PruningSpec { ratio, width, width_peak, power_low, power_high } = spec;
-        Self { ratio, width, width_peak, power_low, power_high }
+        let &PruningSpec { ratio, width, width_peak, power_low, power_high, .. } = spec;
+        let envelope = spec.envelope.as_ref().map(|written| {
+            // From the tree's frame, y up, to its space, z up.
+            let upright = Affine3::from_cols(Vec3::X, Vec3::Z, Vec3::NEG_Y, Vec3::ZERO);
+            Envelope::placed(upright, written.envelope.clone())
+        });
+        Self { ratio, width, width_peak, power_low, power_high, envelope }
+    }
+
+    /// Whether trunks may be shortened.
+    pub(crate) fn holds_trunks(&self) -> bool {
+        self.ratio > 0.0 && self.envelope.is_some()
     }
 }
 

@@ -110,7 +110,14 @@ mod tests {
         let foreign = |name: &str| {
             ["name", "origin", "defaulted", "notes", "dialect", "variation", "attraction_target"]
                 .contains(&name)
-                || ["z_scale", "z_scale_v", "leaves.attraction", "leaves.target"].contains(&name)
+                || [
+                    "z_scale",
+                    "z_scale_v",
+                    "leaves.attraction",
+                    "leaves.target",
+                    "pruning.envelope",
+                ]
+                .contains(&name)
                 || ["leaves.outline", "leaves.color", "leaves.vein_color", "leaves.translucency"]
                     .contains(&name)
                 || ["bark.", "ext."].iter().any(|table| name.starts_with(table))

@@ -41,7 +41,7 @@ fn param(name: &str, value: &str) -> String {
 
 /// The first error, without the others.
 fn check_whole(text: &str, expected: &str) {
-    let error = parse(text.as_bytes(), "f", true).unwrap_err();
+    let error = parse(text.as_bytes(), "f", None, true).unwrap_err();
     assert_eq!(error.line().to_string(), expected);
 }
 
@@ -217,7 +217,7 @@ fn what_is_no_xml_is_told_where() {
         "f:2:14: not valid XML: unknown entity reference 'bomb'",
     );
     check_whole("<arbaro/><arbaro/>", "f:1:10: not valid XML: unexpected '<'");
-    let error = parse(b"<arbaro>\n\xE4", "f", false).unwrap_err();
+    let error = parse(b"<arbaro>\n\xE4", "f", None, false).unwrap_err();
     assert_eq!(error.to_string(), "f:2:1: not a UTF-8 text from here on");
 }
 
@@ -262,7 +262,7 @@ fn hostile_texts_are_refused_in_no_time() {
         "\u{7}<".repeat(1 << 19),
     ] {
         let start = Instant::now();
-        let error = parse(text.as_bytes(), "f", true).unwrap_err();
+        let error = parse(text.as_bytes(), "f", None, true).unwrap_err();
         assert!(start.elapsed().as_secs() < 2, "{:?}: {error}", start.elapsed());
         assert!(error.place().is_some(), "{error}");
         assert!(error.all().all(|error| error.line().to_string().len() < 1000), "{error}");
@@ -304,7 +304,7 @@ fn every_beginning_of_a_text_is_an_error_with_a_place() {
     };
     for length in 0..=text.len() {
         let part = &text.as_bytes()[..length];
-        match parse(part, "f", true) {
+        match parse(part, "f", None, true) {
             Ok(_) => assert!(length >= whole, "{length}"),
             Err(error) => {
                 assert!(length < whole, "{length}: {error}");
@@ -336,7 +336,7 @@ fn damaged_texts_are_read_or_refused() {
                 _ => text.splice(at..at, text[at..end].to_vec()).for_each(drop),
             }
         }
-        match parse(&text, "damaged.xml", true) {
+        match parse(&text, "damaged.xml", None, true) {
             Ok(species) => {
                 assert_eq!(species.faults(), []);
                 read += 1;

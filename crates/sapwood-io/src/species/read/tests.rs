@@ -1,7 +1,10 @@
 //! One text per fault, and the message it must give.
 
-use sapwood_geom::glam::Vec3;
-use sapwood_geom::{Purpose, Stream, StreamPath};
+use std::sync::Arc;
+
+use sapwood_geom::glam::{Affine3, Vec2, Vec3};
+use sapwood_geom::{Mesh, Purpose, SharedMesh, Stream, StreamPath};
+use sapwood_graph::{Body, DrawList, DrawRow, Kind, Material, Named, Occurrence};
 use sapwood_rules::weber_penn::{Dialect, LeafTarget, Species, Target};
 
 use crate::parse_species;
@@ -284,7 +287,7 @@ fn damaged_files_are_read_or_refused() {
                 _ => text.splice(at..at, text[at..end].to_vec()).for_each(drop),
             }
         }
-        match super::super::parse(&text, "damaged.toml", false) {
+        match super::super::parse(&text, "damaged.toml", None, false) {
             Ok(species) => {
                 assert_eq!(species.faults(), []);
                 read += 1;
@@ -293,4 +296,52 @@ fn damaged_files_are_read_or_refused() {
         }
     }
     assert!((100..2900).contains(&read), "{read}");
+}
+
+#[test]
+fn envelopes_are_read_from_words_and_from_models_beside_the_file() {
+    let text = |envelope: &str| format!("{GOOD}[pruning]\nratio = 1\nenvelope = {envelope}\n");
+    let read = good("[pruning]\nratio = 1\nenvelope = \"outside:sphere:0,5,0,2\"\n");
+    let written = read.pruning.envelope.as_ref().unwrap();
+    assert!(!written.envelope.contains(Vec3::Y * 6.0) && written.envelope.contains(Vec3::ZERO));
+    assert_eq!(parse_species(&crate::write_species(&read), "f").unwrap(), read);
+
+    let error = |envelope: &str| parse_species(&text(envelope), "f").unwrap_err().to_string();
+    let told = "f:8:12: pruning.envelope is \"ball:1\": 'ball' is no shape (accepted: sphere:";
+    assert!(error("\"ball:1\"").starts_with(told), "{}", error("\"ball:1\""));
+    assert!(error("\"mesh:none.glb\"").contains("none.glb: cannot be read"));
+    assert!(error("3").contains("sphere:X,Y,Z,R"), "{}", error("3"));
+
+    // A path is taken from the folder of the file that says it.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("held.toml");
+    std::fs::write(&path, text("\"mesh:hull.glb\"")).unwrap();
+    let mut body = Body::new(Kind::of::<Hull>());
+    let (material, local) = (Arc::new(Material::matte("", 0.5, 0.5, 0.5)), Affine3::IDENTITY);
+    body.rows.push(DrawRow { local, mesh: hull(), material, instances: None });
+    let occurrences = vec![Occurrence { body: 0, world: Affine3::from_translation(Vec3::X) }];
+    let list = DrawList { bodies: vec![body], occurrences };
+    crate::write_glb(folder.path().join("hull.glb"), &list).unwrap();
+    let envelope = crate::read_species(&path).unwrap().pruning.envelope.unwrap().envelope;
+    assert!(envelope.contains(Vec3::new(1.1, 0.1, 0.1)) && !envelope.contains(Vec3::splat(0.1)));
+}
+
+struct Hull;
+
+impl Named for Hull {
+    const NAME: &'static str = "hull";
+}
+
+/// A corner of a cube, cut off.
+fn hull() -> SharedMesh {
+    let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+    let mut mesh = Mesh::default();
+    for face in [[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]] {
+        let [a, b, c] = face.map(|corner: usize| corners[corner]);
+        mesh.indices.extend([0, 1, 2].map(|i| mesh.positions.len() as u32 + i));
+        mesh.positions.extend([a, b, c]);
+        mesh.normals.extend([(b - a).cross(c - a).normalize(); 3]);
+        mesh.uvs.extend([Vec2::ZERO; 3]);
+    }
+    SharedMesh::new(mesh)
 }

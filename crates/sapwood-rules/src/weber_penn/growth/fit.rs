@@ -48,12 +48,17 @@ impl Limit {
         Self { to_envelope: Some(to_envelope), ..self }
     }
 
-    /// The paper's solid of revolution for a tree of this size in metres, if the species prunes
-    /// by itself. It shapes crowns and does not hold trunks.
+    /// What a species prunes itself by, if it does: the shape that it names, or else the paper's
+    /// solid of revolution for a tree of this size in metres. That one shapes crowns and does not
+    /// hold trunks.
     pub fn of_species(crown: &Crown, scale_tree: f32) -> Option<Self> {
-        let Pruning { ratio, width, width_peak, power_low, power_high } = crown.pruning;
+        let Pruning { ratio, width, width_peak, power_low, power_high, ref envelope } =
+            crown.pruning;
         if ratio <= 0.0 {
             return None;
+        }
+        if let Some(envelope) = envelope {
+            return Some(Self::new(envelope.clone(), ratio));
         }
         let envelope = Envelope::revolution(Profile {
             base: crown.base_size * scale_tree,

@@ -84,6 +84,7 @@ impl Reach {
         leaves: &LeafParams,
         topped: bool,
     ) -> Self {
+        let topped = topped || crown.pruning.holds_trunks();
         let pieces: Vec<Piece> = Trunk::new(crown, levels, form, topped).pieces().collect();
         let (mut side, mut up, mut down) = (0.0f32, 0.0f32, 0.0f32);
         for piece in &pieces {

@@ -59,8 +59,14 @@ mod tests {
     use super::*;
     use CrownShape as C;
 
-    const ENVELOPE: Pruning =
-        Pruning { ratio: 0.0, width: 0.5, width_peak: 0.6, power_low: 0.5, power_high: 2.0 };
+    const ENVELOPE: Pruning = Pruning {
+        ratio: 0.0,
+        width: 0.5,
+        width_peak: 0.6,
+        power_low: 0.5,
+        power_high: 2.0,
+        envelope: None,
+    };
 
     #[test]
     fn shapes_follow_the_check_table() {

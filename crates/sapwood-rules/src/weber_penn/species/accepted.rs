@@ -47,6 +47,8 @@ pub enum Accepted {
     Target,
     /// `"outward"`, `"scattered"`, a direction or a point.
     LeafTarget,
+    /// A shape that holds the tree, in words.
+    Envelope,
 }
 
 impl Accepted {
@@ -71,6 +73,7 @@ impl Accepted {
                 if LeafShape::from_name(name, origin).is_some()),
             Self::Target => Target::from_value(value).is_some(),
             Self::LeafTarget => LeafTarget::from_value(value).is_some(),
+            Self::Envelope => matches!(value, Value::Envelope(_)),
         }
     }
 }
@@ -101,6 +104,11 @@ impl fmt::Display for Accepted {
                 write!(f, " \"disc:K\" (K from 3 to 1000), \"tree_gen:0\" to \"tree_gen:10\"")
             }
             Self::Target => write!(f, "\"up\", a direction [x, y, z] or {{ point = [x, y, z] }}"),
+            Self::Envelope => write!(
+                f,
+                "\"sphere:X,Y,Z,R\", \"box:X0,Y0,Z0,X1,Y1,Z1\", \"half-space:NX,NY,NZ,D\", \
+                 \"mesh:FILE.glb\" or \"outside:SHAPE\", in metres from the tree's foot, y up"
+            ),
             Self::LeafTarget => write!(
                 f,
                 "\"outward\", \"scattered\", a direction [x, y, z] or {{ point = [x, y, z] }}"

@@ -288,6 +288,7 @@ table! {
         "pruning.width_peak": SHARE, None, None, (pruning.width_peak);
         "pruning.power_low": FACTOR_V, None, None, (pruning.power_low);
         "pruning.power_high": FACTOR_V, None, None, (pruning.power_high);
+        "pruning.envelope": Accepted::Envelope, None, None, (pruning.envelope);
     }
     level: {
         "down_angle": ANGLE, None, down_angle;

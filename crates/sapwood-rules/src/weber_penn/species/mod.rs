@@ -14,7 +14,7 @@ use sapwood_images::{BarkKind, LeafOutline};
 pub use accepted::Accepted;
 pub use choices::{CrownShape, Dialect, LeafShape, LeafTarget, Origin, Target, Variation};
 pub use keys::{Fault, Key, key, keys};
-pub use value::Value;
+pub use value::{Value, WrittenEnvelope};
 
 /// The parameters of one species, in degrees and metres.
 ///
@@ -238,11 +238,20 @@ pub struct PruningSpec {
     pub power_low: f32,
     /// PrunePowerHigh: curvature above the peak.
     pub power_high: f32,
+    /// Another shape instead of the paper's solid of revolution; it holds trunks too.
+    pub envelope: Option<WrittenEnvelope>,
 }
 
 impl Default for PruningSpec {
     fn default() -> Self {
-        Self { ratio: 0.0, width: 0.5, width_peak: 0.5, power_low: 0.5, power_high: 0.5 }
+        Self {
+            ratio: 0.0,
+            width: 0.5,
+            width_peak: 0.5,
+            power_low: 0.5,
+            power_high: 0.5,
+            envelope: None,
+        }
     }
 }
 

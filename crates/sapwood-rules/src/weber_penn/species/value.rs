@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use sapwood_geom::Envelope;
 use sapwood_images::{BarkKind, LeafOutline};
 
 use super::choices::{CrownShape, Dialect, LeafShape, LeafTarget, Origin, Target, Variation};
@@ -21,6 +22,18 @@ pub enum Value {
     Numbers(Vec<f32>),
     /// A point, written `{ point = [x, y, z] }`.
     Point([f32; 3]),
+    /// A shape in words, and what they stand for.
+    Envelope(WrittenEnvelope),
+}
+
+/// An envelope as a file words it; reading the words, and files that they name, is left to
+/// others.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WrittenEnvelope {
+    /// The words.
+    pub text: String,
+    /// What they stand for, in the frame of the tree: metres from its foot, y up.
+    pub envelope: Envelope,
 }
 
 impl fmt::Display for Value {
@@ -32,6 +45,7 @@ impl fmt::Display for Value {
             Self::Texts(texts) => write!(f, "{texts:?}"),
             Self::Numbers(numbers) => write!(f, "{numbers:?}"),
             Self::Point(point) => write!(f, "{{ point = {point:?} }}"),
+            Self::Envelope(written) => write!(f, "{:?}", written.text),
         }
     }
 }
@@ -100,6 +114,18 @@ impl Field for String {
     fn from_value(value: &Value) -> Option<Self> {
         match value {
             Value::Text(text) => Some(text.clone()),
+            _ => None,
+        }
+    }
+}
+
+impl Field for WrittenEnvelope {
+    fn to_value(&self) -> Option<Value> {
+        Some(Value::Envelope(self.clone()))
+    }
+    fn from_value(value: &Value) -> Option<Self> {
+        match value {
+            Value::Envelope(written) => Some(written.clone()),
             _ => None,
         }
     }
