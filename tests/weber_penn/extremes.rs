@@ -66,7 +66,8 @@ fn ends(accepted: &Accepted) -> Vec<Value> {
         | Accepted::Names(_)
         | Accepted::LeafShape
         | Accepted::Target
-        | Accepted::LeafTarget => Vec::new(),
+        | Accepted::LeafTarget
+        | Accepted::Envelope => Vec::new(),
     }
 }
 

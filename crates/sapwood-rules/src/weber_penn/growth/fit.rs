@@ -149,7 +149,7 @@ impl StemSeed {
             _ => free_radius.min(self.parent_radius),
         };
         let grows = share > 0.0 && radius > THINNEST;
-        grows.then(|| Self { length: share * self.length, radius, free_radius, ..*self })
+        grows.then_some(Self { length: share * self.length, radius, free_radius, ..*self })
     }
 }
 
