@@ -64,16 +64,15 @@ fn soup(mesh: &Mesh) -> Mesh {
 }
 
 fn solid_meshes() -> Vec<(&'static str, Mesh)> {
-    let ball = sphere(4);
-    let inner = without(sphere(4), |_| false);
-    let mut inner = inner;
+    let ball = sphere(3);
+    let mut inner = ball.clone();
     inner.positions.iter_mut().for_each(|position| *position *= 0.6);
     inner.indices.chunks_exact_mut(3).for_each(|t| t.swap(1, 2));
     vec![
         ("cube", cube()),
         ("sphere", ball.clone()),
-        ("torus", torus(2.0, 0.7, 48)),
-        ("sphere with a hole", without(ball.clone(), |middle| middle.z > 0.96)),
+        ("torus", torus(2.0, 0.7, 32)),
+        ("sphere with a hole", without(sphere(4), |middle| middle.z > 0.96)),
         ("shells that overlap", joined(&[(&ball, Vec3::ZERO), (&ball, Vec3::X * 0.8)])),
         ("doubled shell", joined(&[(&ball, Vec3::ZERO), (&ball, Vec3::ZERO)])),
         ("hollow sphere", joined(&[(&ball, Vec3::ZERO), (&inner, Vec3::ZERO)])),
