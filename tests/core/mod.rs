@@ -12,6 +12,7 @@ mod kinds;
 mod moving;
 pub(crate) mod picking;
 mod projections;
+mod pruning;
 mod random_scripts;
 mod sharing;
 mod taken_back;

@@ -3,6 +3,7 @@
 
 mod compiles;
 mod counts;
+mod cutting;
 mod extremes;
 mod foreseen;
 mod looks;

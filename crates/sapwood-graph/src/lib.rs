@@ -33,10 +33,11 @@ pub use supply::{
     Diagnostic, EnvId, Interrupted, PlanRef, Provide, SiteId, Supplied, Supply, Want,
 };
 pub use traversals::{
-    AlongRay, Body, CameraRow, CountMemo, Counts, DrawList, DrawRow, Finding, Hit, LabelRow,
-    LightRow, LineRow, Merge, Occurrence, PickOptions, PickedPart, PickedSides, Report, Severity,
-    Struck, TooManyRows, TooManyTriangles, count, diagnostics, draw_list, dump, fragment_bound,
-    pick, pick_compiled, verify,
+    AlongRay, Beyond, Body, CameraRow, CountMemo, Counts, DrawList, DrawRow, Fate, Finding, Hit,
+    LabelRow, LightRow, LineRow, Merge, Occurrence, PickOptions, PickedPart, PickedSides, Prune,
+    PruneHandlers, Pruning, Report, Severity, Standing, Struck, TooManyRows, TooManyTriangles,
+    count, diagnostics, draw_list, dump, fragment_bound, pick, pick_compiled, prune,
+    prune_compiled, prune_interest, verify,
 };
 pub use walk::{
     Approach, At, Everything, Inside, Interest, Order, Path, Under, discover, traverse, walk,

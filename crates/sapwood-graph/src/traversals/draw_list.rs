@@ -206,48 +206,18 @@ impl std::error::Error for TooManyRows {}
 /// # Errors
 /// When there are more than `max_rows` rows of all sorts together.
 pub fn draw_list(supply: &dyn Supply, max_rows: usize) -> Result<DrawList, TooManyRows> {
-    let (env, root) = supply.root();
-    let mut builder = Builder {
-        supply,
-        env,
-        list: DrawList::default(),
-        seen: FixedMap::with_hasher(fixed_state()),
-        looks: Vec::new(),
-    };
-    let top = Top { site: root, node: 0 };
-    builder.look_at_all(top);
-    let mut stack = vec![(top, Affine3::IDENTITY)];
-    let mut n_rows = 0;
-    while let Some((top, world)) = stack.pop() {
-        let look = builder.look(top);
-        let look = &builder.looks[look];
-        // What draws nothing is passed over, however often it occurs.
-        if !look.draws {
-            continue;
-        }
-        if let Some(number) = look.body {
-            let body = &builder.list.bodies[number as usize];
-            n_rows += body.n_rows();
-            if n_rows > max_rows {
-                return Err(TooManyRows { limit: max_rows, kind: body.kind });
-            }
-            builder.list.occurrences.push(Occurrence { body: number, world });
-        }
-        stack.extend(look.below.iter().rev().map(|below| {
-            let outside = world * below.local;
-            let turn = below.facing.map(|facing| facing.turn(&outside, supply.eye()));
-            (below.top, turn.map_or(outside, |turn| outside * turn))
-        }));
-    }
-    Ok(builder.list)
+    let mut builder = Builder::new(supply, max_rows);
+    let (_, root) = supply.root();
+    builder.add(Top { site: root, node: 0 }, Affine3::IDENTITY)?;
+    Ok(builder.finish())
 }
 
 /// Where a body begins: the site of an authored component, or a node in it that turns.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
-struct Top {
-    site: SiteId,
+pub(super) struct Top {
+    pub(super) site: SiteId,
     /// 0 for the whole site, else a node that faces the eye, whose children are meant.
-    node: u32,
+    pub(super) node: u32,
 }
 
 /// What is drawn from a top on, and the tops right below it.
@@ -266,15 +236,69 @@ struct Below {
     facing: Option<Facing>,
 }
 
-struct Builder<'a> {
+/// A draw list in the making.
+pub(super) struct Builder<'a> {
     supply: &'a dyn Supply,
     env: EnvId,
-    list: DrawList,
+    pub(super) list: DrawList,
+    max_rows: usize,
+    n_rows: usize,
     seen: FixedMap<Top, usize>,
     looks: Vec<Look>,
 }
 
-impl Builder<'_> {
+impl<'a> Builder<'a> {
+    pub(super) fn new(supply: &'a dyn Supply, max_rows: usize) -> Self {
+        Self {
+            supply,
+            env: supply.root().0,
+            list: DrawList::default(),
+            max_rows,
+            n_rows: 0,
+            seen: FixedMap::with_hasher(fixed_state()),
+            looks: Vec::new(),
+        }
+    }
+
+    pub(super) fn finish(self) -> DrawList {
+        self.list
+    }
+
+    /// Adds what is drawn from a top on, `world` leading from its frame to the root's.
+    pub(super) fn add(&mut self, top: Top, world: Affine3) -> Result<(), TooManyRows> {
+        self.look_at_all(top);
+        let mut stack = vec![(top, world)];
+        while let Some((top, world)) = stack.pop() {
+            let look = self.look(top);
+            // What draws nothing is passed over, however often it occurs.
+            if !self.looks[look].draws {
+                continue;
+            }
+            if let Some(number) = self.looks[look].body {
+                let body = &self.list.bodies[number as usize];
+                let (n_rows, kind) = (body.n_rows(), body.kind);
+                self.count(n_rows, kind)?;
+                self.list.occurrences.push(Occurrence { body: number, world });
+            }
+            let eye = self.supply.eye();
+            stack.extend(self.looks[look].below.iter().rev().map(|below| {
+                let outside = world * below.local;
+                let turn = below.facing.map(|facing| facing.turn(&outside, eye));
+                (below.top, turn.map_or(outside, |turn| outside * turn))
+            }));
+        }
+        Ok(())
+    }
+
+    /// Counts rows that are about to be added.
+    pub(super) fn count(&mut self, n_rows: usize, kind: Kind) -> Result<(), TooManyRows> {
+        self.n_rows += n_rows;
+        if self.n_rows > self.max_rows {
+            return Err(TooManyRows { limit: self.max_rows, kind });
+        }
+        Ok(())
+    }
+
     /// Looks at every top once and finds out which of them draw.
     fn look_at_all(&mut self, root: Top) {
         let mut stack = vec![(root, false)];

@@ -7,6 +7,7 @@ mod draw_list;
 mod dump;
 mod merge;
 mod pick;
+mod prune;
 #[cfg(feature = "simplify")]
 mod simplify;
 mod smooth;
@@ -22,4 +23,7 @@ pub use draw_list::{
 pub use dump::dump;
 pub use merge::{Merge, TooManyTriangles};
 pub use pick::{AlongRay, Hit, PickOptions, PickedPart, PickedSides, Struck, pick, pick_compiled};
+pub use prune::{
+    Beyond, Fate, Prune, PruneHandlers, Pruning, Standing, prune, prune_compiled, prune_interest,
+};
 pub use verify::{Finding, Report, Severity, verify};

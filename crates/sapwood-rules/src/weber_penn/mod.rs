@@ -13,6 +13,7 @@ mod geometry;
 mod growth;
 mod look;
 mod params;
+mod prune;
 mod rules;
 mod slots;
 mod species;
@@ -27,6 +28,7 @@ pub use growth::{
 };
 pub use look::{BarkLook, LeafLook};
 pub use params::{Crown, LeafParams, Level, Pruning, TrunkForm};
+pub use prune::prune_handlers;
 pub use rules::{full, skeleton};
 pub use slots::{
     BarkLookSlot, BarkSlot, CrownSlot, DetailSlot, FoliageSlot, IsPrunedSlot, LeafLookSlot,

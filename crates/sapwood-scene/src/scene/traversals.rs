@@ -3,8 +3,9 @@
 use sapwood_geom::{Bound, Ray};
 use sapwood_graph::{
     AlongRay, At, Counts, Diagnostic, DrawList, Everything, Finding, Hit, Interest, Interrupted,
-    Order, PickOptions, Provide, Report, Severity, Supply, count, diagnostics, discover, draw_list,
-    dump, pick_compiled, verify, walk,
+    Order, PickOptions, Provide, Prune, PruneHandlers, Report, Severity, Supply, count,
+    diagnostics, discover, draw_list, dump, pick_compiled, prune_compiled, prune_interest, verify,
+    walk,
 };
 
 use super::Scene;
@@ -123,6 +124,24 @@ impl Scene {
     /// When the view is closed, compiling was interrupted, or there are more rows.
     pub fn draw_list(&mut self, view: ViewId, max_rows: usize) -> Result<DrawList, ViewError> {
         Ok(self.complete(view, |pull| draw_list(&*pull, max_rows))??)
+    }
+
+    /// What a view draws inside of an envelope, in at most `max_rows` rows; `handlers` know how
+    /// parts are cut. Compiles only what is not wholly outside. The scene stays as it is.
+    ///
+    /// # Errors
+    /// When the view is closed, compiling was interrupted, or there are more rows.
+    pub fn prune(
+        &mut self,
+        view: ViewId,
+        prune: &Prune,
+        handlers: &PruneHandlers,
+        max_rows: usize,
+    ) -> Result<DrawList, ViewError> {
+        self.discover(view, &prune_interest(prune))?;
+        let list = prune_compiled(&self.pull(view)?, prune, handlers, max_rows);
+        self.evict_if_bloated(view);
+        Ok(list?)
     }
 
     /// What a view compiled to, as stable text of at most `max_lines` lines.
