@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
+use sapwood::io::Shape;
 use tracing_subscriber::filter::LevelFilter;
 
 use crate::accepted::{accepted, whole};
@@ -156,6 +157,12 @@ pub(crate) struct GrowArguments {
     /// a picture
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<Output>,
+    /// Keep only what is inside of a shape: sphere:X,Y,Z,R, box:X0,Y0,Z0,X1,Y1,Z1,
+    /// half-space:NX,NY,NZ,D (the side that the normal leads away from), mesh:FILE.glb or
+    /// outside:SHAPE, in metres, y up. Stems end where they leave it, and what grows beyond goes
+    /// too. May be given several times; each cuts
+    #[arg(long, value_name = "SHAPE", allow_hyphen_values = true)]
+    pub(crate) cut: Vec<Shape>,
     /// Tell what was grown as one JSON object instead of a table; the README has its keys
     #[arg(long)]
     pub(crate) json: bool,

@@ -1,5 +1,6 @@
 //! `sapwood grow`: a scene with one tree, compiled, summed up and written to files.
 
+mod held;
 mod json;
 mod output;
 mod summary;
@@ -7,9 +8,12 @@ mod summary;
 use std::io::Write;
 use std::time::{Duration, Instant};
 
-use sapwood::graph::DrawList;
-use sapwood::io::FileSet;
-use sapwood::scene::{Attribute, Handle, RuleSet, Scene, ViewId};
+use sapwood::geom::Aabb;
+use sapwood::geom::glam::Affine3;
+use sapwood::graph::{DrawList, Prune};
+use sapwood::io::{FileSet, Shape};
+use sapwood::rules::weber_penn::prune_handlers;
+use sapwood::scene::{Attribute, Handle, RuleSet, Scene, Style, ViewError, ViewId};
 use tracing::{Level, info};
 
 use crate::arguments::{Detail, GrowArguments, Individual, TreeArguments};
@@ -42,6 +46,7 @@ pub(crate) fn run(
 
 fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
     let order = check_outputs(arguments)?;
+    let cut = Shape::all(&arguments.cut, None)?.map(Prune::to);
     let mut steps = Steps::default();
     let (individual, of) = (arguments.individual.individual(), &arguments.tree);
     let species = steps.time("read", || tree::species(of))?;
@@ -54,7 +59,14 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
         steps.time("compile", || tree::compiled(&mut scene, root, &rules, of, watch))?;
     let census = Census::of(&mut scene, view, species.levels)?;
     let components = scene.count(view)?.components;
-    let list = steps.time("draw list", || scene.draw_list(view, usize::MAX))?;
+    let list = steps.time("draw list", || drawn(&mut scene, view, cut.as_ref()))?;
+    let mut bounds = bounds.aabb;
+    if cut.is_some() {
+        bounds = aabb(&list);
+        if bounds.is_empty() {
+            return Err(nothing_left(arguments));
+        }
+    }
     let has_surfaces = arguments.tree.detail != Detail::Skeleton;
     let surfaces = has_surfaces.then(|| list.n_vertices_and_triangles());
 
@@ -65,7 +77,7 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
         let rules = sapwood::skeleton_rules();
         lines = Some(steps.time("compile skeleton", || {
             let (view, _) = tree::compiled(&mut scene, root, &rules, of, watch)?;
-            Ok::<_, Failure>(scene.draw_list(view, usize::MAX)?)
+            Ok::<_, Failure>(drawn(&mut scene, view, cut.as_ref())?)
         })?);
     }
     let follower = watch.clone();
@@ -74,12 +86,21 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
     write_lists(arguments, &mut files, &list, lines, watch, &mut steps)?;
     let mut toll = None;
     if let Some(order) = &order {
-        let grown = Grown { scene: &mut scene, root, rules: &rules, view };
+        let mut held;
+        let grown = if cut.is_some() {
+            held = held::held(&list)?;
+            let (scene, root) = (&mut held.0, held.1);
+            let view = scene.open_view(root, &rules)?;
+            watch.follow(scene.cancel_token(view)?);
+            Grown { scene, root, rules: &rules, view }
+        } else {
+            Grown { scene: &mut scene, root, rules: &rules, view }
+        };
         let foot = match individual {
             Individual::At([_, y, _]) => y,
             Individual::Seed(_) => 0.0,
         };
-        let mut extent = Extent::of_box(bounds.aabb, foot);
+        let mut extent = Extent::of_box(bounds, foot);
         if order.is_turned() {
             extent = extent.tightened(&list);
         }
@@ -91,8 +112,39 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
 
     let species = if species.name.is_empty() { of.species.clone() } else { species.name };
     let title = title(&species, individual, of);
-    let (bounds, phases) = (bounds.aabb, steps.0);
+    let phases = steps.0;
     Ok(Summary { species, title, census, components, surfaces, bounds, phases, picture: toll })
+}
+
+/// What a view draws, or what a cut leaves of it.
+fn drawn(scene: &mut Scene, view: ViewId, cut: Option<&Prune>) -> Result<DrawList, ViewError> {
+    match cut {
+        None => scene.draw_list(view, usize::MAX),
+        Some(cut) => scene.prune(view, cut, &prune_handlers(), usize::MAX),
+    }
+}
+
+/// The box around everything that a list draws.
+fn aabb(list: &DrawList) -> Aabb {
+    let once = [Affine3::IDENTITY];
+    let rows = list.placed_rows().flat_map(|(world, row)| {
+        let instances = row.instances.as_ref().map_or(&once[..], |instances| instances);
+        instances.iter().map(move |at| row.mesh.bound().transformed(&(world * *at)).aabb)
+    });
+    let lines = list.placed_lines().flat_map(|(world, row)| {
+        row.lines.iter().map(move |line| line.transformed(&world).bound().aabb)
+    });
+    // A cut has no plans to ask for their bounds, and little is left of what had them.
+    rows.chain(lines).fold(Aabb::EMPTY, Aabb::union)
+}
+
+fn nothing_left(arguments: &GrowArguments) -> Failure {
+    let shapes: Vec<_> = arguments.cut.iter().map(ToString::to_string).collect();
+    Failure::usage(format!(
+        "--cut {}: nothing of the tree is left (accepted: shapes that a trunk stands or reaches \
+         in); nothing was written",
+        shapes.join(" --cut ")
+    ))
 }
 
 /// Adds all files that hold what is drawn.
@@ -194,6 +246,14 @@ fn check_outputs(arguments: &GrowArguments) -> Result<Option<Order>, Failure> {
         };
     }
     let order = Order::new(&arguments.picture, turns, None)?;
+    let has_lines = arguments.tree.detail == Detail::Skeleton;
+    if !arguments.cut.is_empty() && (has_lines || order.style == Some(Style::Skeleton)) {
+        return Err(Failure::usage(
+            "--cut: pictures of what is left show surfaces, and a skeleton has none (accepted: \
+             -o FILE.svg, or another style and detail)"
+                .to_owned(),
+        ));
+    }
     picture::check_targets(pictures().flat_map(|output| picture::names(output.path(), turns)))?;
     Ok(Some(order))
 }
@@ -235,7 +295,7 @@ impl Steps {
 #[cfg(test)]
 mod tests {
     use clap::Parser as _;
-    use sapwood::geom::glam::{Affine3, Vec3};
+    use sapwood::geom::glam::Vec3;
     use sapwood::scene::{Action, Attribute, Transform};
 
     use super::*;

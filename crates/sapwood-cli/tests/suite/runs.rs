@@ -152,3 +152,36 @@ fn help_is_no_failure_and_tells_everything() {
     assert!(says(folder.path(), "--help").contains("Exit codes:"));
     assert!(says(folder.path(), "--version").starts_with("sapwood "));
 }
+
+#[test]
+fn trees_are_cut_by_shapes() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let max = |line: &str| {
+        let said: serde_json::Value = serde_json::from_str(&says(at, line)).unwrap();
+        [0, 1, 2].map(|axis| said["bounds"]["max"][axis].as_f64().unwrap())
+    };
+    let [_, lopped, _] = max("grow quaking_aspen --json --cut half-space:0,1,0,5 -o lopped.glb");
+    assert!((4.5..5.6).contains(&lopped), "{lopped}");
+    // Several shapes cut one after the other; a drawing is cut too.
+    let [_, lower, _] =
+        max("grow quaking_aspen --json --detail skeleton --cut half-space:0,1,0,5 \
+         --cut outside:box:-9,4,-9,9,9,9 -o lower.svg");
+    assert!((3.9..4.1).contains(&lower), "{lower}");
+    // A trunk is closed, and nothing but itself is in it.
+    says(at, "grow quaking_aspen --levels 1 -o trunk.glb");
+    let [x, y, z] = max("grow quaking_aspen --json --cut mesh:trunk.glb -o within.glb");
+    assert!(y > 10.0 && x < 1.0 && z < 1.0, "{x} {y} {z}");
+
+    let check = |cut: &str, code, told: &str| {
+        let said = fails(at, &format!("grow quaking_aspen --cut {cut} -o no.glb"), code);
+        assert!(said.contains(told), "{said}");
+    };
+    check("ball:1", 2, "'ball' is no shape (accepted: sphere:X,Y,Z,R");
+    check("sphere:90,0,0,1", 2, "--cut sphere:90,0,0,1: nothing of the tree is left");
+    says(at, "grow quaking_aspen -o whole.glb");
+    check("mesh:whole.glb", 1, "it is far from closed (accepted: a closed surface)");
+    check("mesh:none.glb", 1, "none.glb");
+    check("box:-1,0,-1,1,4,1 --detail skeleton -o no.png", 2, "--detail skeleton");
+    assert!(!files(at).iter().any(|name| name.starts_with("no.")));
+}
