@@ -108,3 +108,27 @@ fn several_trunks_lie_inside_what_is_foreseen() {
         ratios(&with(&built_in(name), &many), name);
     }
 }
+
+#[test]
+fn trees_of_tree_gen_lie_inside_what_is_foreseen_however_they_split_and_are_pulled() {
+    let bent = [
+        ("level.0.curve", 120.0),
+        ("level.0.curve_back", -150.0),
+        ("level.0.split_angle", 30.0),
+        ("level.0.seg_splits", 1.0),
+        ("level.1.seg_splits", 0.5),
+        ("level.2.branches", 5.0),
+    ];
+    let in_plane = [("level.0.split_angle", -60.0), ("level.0.split_angle_v", 20.0)];
+    // Stems that would be thinner than they may be.
+    let thin = [("ratio_power", 4.0), ("scale", 0.2), ("scale_v", 0.1)];
+    for name in ["japanese_maple", "apple", "bamboo"] {
+        let mut species = with(&built_in(name), &bent);
+        for change in [&[][..], &in_plane, &thin] {
+            species = with(&species, change);
+            let ext = species.ext.as_mut().unwrap();
+            (ext.tropism, ext.branch_dist) = (Some([1.0, -0.5, 1.0]), Some([0.0, 3.0, 1.0, 0.5]));
+            ratios(&species, name);
+        }
+    }
+}

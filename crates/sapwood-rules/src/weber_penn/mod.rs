@@ -1,7 +1,7 @@
 //! The tree model of Weber and Penn (SIGGRAPH 95).
 //!
 //! Some parameters are read, checked and kept, but do not act: ZScale and ZScaleV (the paper
-//! never uses them), Arbaro's Smooth, and tree-gen's blossoms and branch distances.
+//! never uses them), Arbaro's Smooth, and tree-gen's blossoms.
 //!
 //! A [`Species`] holds the parameters as files write them; [`Crown`], [`Level`], [`LeafParams`]
 //! and [`TrunkForm`] are what growth reads of them, each in a slot of its own. Growth and

@@ -217,6 +217,9 @@ pub struct Level {
     pub base_size: f32,
     /// tree-gen's sideways bend; 0 elsewhere.
     pub bend_v: f32,
+    /// tree-gen's branch_dist, in its dialect only: 0 alternate, 1 opposite, above 1 whorls of one
+    /// more.
+    pub grouping: Option<f32>,
 }
 
 content!(Level {
@@ -241,6 +244,7 @@ content!(Level {
     radius_scale_v,
     base_size,
     bend_v,
+    grouping,
 });
 
 impl Level {
@@ -275,6 +279,7 @@ impl Level {
             radius_scale_v: if trunk && !arbaro { species.trunk.scale_v } else { 0.0 },
             base_size: if trunk { 0.0 } else { per_level(ext.and_then(|e| e.base_size), 0.0) },
             bend_v: per_level(ext.and_then(|ext| ext.bend_v), 0.0).to_radians(),
+            grouping: grouping(species, n),
         }
     }
 
@@ -282,6 +287,12 @@ impl Level {
     pub fn all(species: &Species) -> [Self; 4] {
         std::array::from_fn(|n| Self::new(species, n))
     }
+}
+
+/// How what grows on level `n - 1` is grouped, where a species of tree-gen's dialect says so.
+fn grouping(species: &Species, n: usize) -> Option<f32> {
+    let ext = species.ext.as_ref().filter(|_| species.effective_dialect() == Dialect::TreeGen);
+    ext.and_then(|ext| ext.branch_dist).map(|dist| dist[n.min(3)])
 }
 
 /// The leaves: their own parameters, and the angles of the level after the last stems.
@@ -315,6 +326,8 @@ pub struct LeafParams {
     pub rotate: f32,
     /// nRotateV of the leaf level.
     pub rotate_v: f32,
+    /// tree-gen's branch_dist of the leaf level, in its dialect only.
+    pub grouping: Option<f32>,
 }
 
 content!(LeafParams {
@@ -332,6 +345,7 @@ content!(LeafParams {
     down_angle_v,
     rotate,
     rotate_v,
+    grouping,
 });
 
 impl LeafParams {
@@ -353,6 +367,7 @@ impl LeafParams {
             down_angle_v: level.down_angle_v.to_radians(),
             rotate: level.rotate.to_radians(),
             rotate_v: level.rotate_v.to_radians(),
+            grouping: grouping(species, species.leaf_level()),
         }
     }
 

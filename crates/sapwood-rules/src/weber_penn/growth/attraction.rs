@@ -1,6 +1,8 @@
 //! Vertical attraction, and attraction to a direction or a point (Weber and Penn 1995, section
 //! 4.8; the targets are this project's).
 
+use std::f32::consts::PI;
+
 use glam::Vec3;
 
 use super::frame::Frame;
@@ -24,7 +26,11 @@ pub(crate) enum Attraction {
     Point(Vec3, f32),
 }
 
-/// Whether stems of this level are attracted at all: those of levels 0 and 1 are not.
+/// tree-gen's tropism turns a segment so far, in radians, per unit of the cross product.
+pub(crate) const TROPISM: f32 = 10.0 * PI / 180.0;
+
+/// Whether stems of this level are attracted upward, to a direction or to a point: those of levels
+/// 0 and 1 are not.
 pub(crate) fn is_attracted(level: u8) -> bool {
     level >= 2
 }
@@ -33,7 +39,13 @@ impl Attraction {
     /// The attraction of a stem of this level with so many segments.
     pub(crate) fn new(crown: &Crown, target: &Target, level: u8, curve_res: u32) -> Self {
         if !is_attracted(level) {
-            return Self::None;
+            return match (crown.target, crown.tropism) {
+                // tree-gen's trunks and first branches feel what pulls sideways.
+                (Target::Up, Some([x, y, _])) if x != 0.0 || y != 0.0 => {
+                    Self::Tropism(Vec3::new(x, y, 0.0))
+                }
+                _ => Self::None,
+            };
         }
         let strength = crown.attraction_up / curve_res as f32;
         match (*target, crown.tropism) {
@@ -71,7 +83,7 @@ impl Attraction {
                 if amount <= PARALLEL {
                     return frame;
                 }
-                frame.turned_about(across / amount, 10.0f32.to_radians() * amount)
+                frame.turned_about(across / amount, TROPISM * amount)
             }
             Self::Direction(direction, strength) => {
                 turned_toward(frame, frame.axes.z_axis, direction, |angle| strength * angle)

@@ -1,9 +1,11 @@
 //! From stems to the seeds of the next level (Weber and Penn 1995, sections 4.3 and 4.4).
 
+use std::f32::consts::TAU;
+
 use sapwood_geom::Purpose;
 
 use super::frame::Frame;
-use super::placement::{Places, Turns, down_angle, fan_angle, height_ratio};
+use super::placement::{Grouping, Places, Turn, Turns, down_angle, fan_angle, height_ratio};
 use super::shape_ratio::shape_ratio;
 use super::stem::{Stem, StemSeed, Stems};
 use super::variation::Draws;
@@ -14,6 +16,8 @@ use crate::weber_penn::{Crown, Level, TrunkForm};
 pub(crate) const SHORTEST: f32 = 1e-5;
 /// Stems no thicker than this radius, in metres, do not grow.
 pub(crate) const THINNEST: f32 = 1e-6;
+/// tree-gen's stems are no thinner than this radius in metres, unless their parents are.
+pub(crate) const TREE_GEN_THINNEST: f32 = 0.005;
 
 /// The seeds of the stems that grow on `stems`, in the order of their parents and from base to
 /// tip; `child` is the set of parameters of their level.
@@ -53,18 +57,25 @@ pub fn children<E>(
             }
             continue;
         }
-        let count = n_children(stem, child);
-        let mut places = Places::new(stem, count, child.branch_dist, Purpose("child place"));
+        let mut count = n_children(stem, child);
+        let grouping = Grouping::new(child.grouping, child.branch_dist);
         let mut turn = turns.start(stems, stem);
+        if crown.dialect == Dialect::TreeGen {
+            turn = Turn::starting_at(parent.rotations.between(0.0, TAU));
+            if stem.seed.level == 0 {
+                count *= draws("child count").between(0.9, 1.1);
+            }
+        }
+        let mut places = Places::new(stem, count, grouping, Purpose("child place"));
         for at in stem.segment_range() {
             let segment = &stems.segments[at];
-            let (count, slots) = places.on(segment);
+            let (count, slots) = places.on(segment, segment.share);
             if count > 0 {
                 charge(count)?;
             }
             for i in 0..count {
-                let offset = places.offset(slots, i);
-                let angle = turn.next(child.rotate, child.rotate_v, &mut parent.rotations);
+                let (offset, step) = places.at(slots, i);
+                let angle = turn.next(step, child.rotate, child.rotate_v, &mut parent.rotations);
                 let center = stems.center_in(index, segment, offset);
                 seeds.extend(parent.seed(offset, segment.frame.at(center).turned_z(angle)));
             }
@@ -119,7 +130,7 @@ impl Parent<'_> {
         let parent_radius = stem.radius_at(z) * factor;
         let falloff = libm::powf(length / length_parent, crown.ratio_power);
         let free_radius = stem.seed.radius * falloff * child.radius_scale;
-        let radius = free_radius.min(parent_radius);
+        let radius = held_radius(free_radius, parent_radius, crown);
         // Written so that a number that is not one does not grow either.
         let grows = length > SHORTEST && radius > THINNEST;
         grows.then(|| StemSeed {
@@ -136,6 +147,16 @@ impl Parent<'_> {
             scale_tree: stem.seed.scale_tree,
         })
     }
+}
+
+/// The radius in metres of a stem beyond the trunk that would be so thick if its parent were not
+/// thinner.
+pub(crate) fn held_radius(free_radius: f32, parent_radius: f32, crown: &Crown) -> f32 {
+    let free_radius = match crown.dialect {
+        Dialect::TreeGen => free_radius.max(TREE_GEN_THINNEST),
+        Dialect::Paper | Dialect::Arbaro => free_radius,
+    };
+    free_radius.min(parent_radius)
 }
 
 /// The length in metres of a child at `offset` whose greatest relative length is 1.

@@ -5,7 +5,7 @@ use std::f32::consts::{PI, TAU};
 
 use super::frame::Frame;
 use super::variation::Draws;
-use crate::weber_penn::Level;
+use crate::weber_penn::{Dialect, Level};
 
 // At 90 degrees a helix would not climb at all and its radius be infinite.
 const STEEPEST_HELIX: f32 = 89.0 * PI / 180.0;
@@ -17,11 +17,13 @@ pub(crate) struct Curvature {
     // Segments before this one belong to the first half (Arbaro's rule for odd numbers).
     half: u32,
     tilt: f32,
+    // tree-gen's random bend turns about local x alone.
+    in_plane: bool,
     sideways: f32,
 }
 
 impl Curvature {
-    pub(crate) fn new(level: &Level) -> Self {
+    pub(crate) fn new(level: &Level, dialect: Dialect) -> Self {
         let n_curve_res = level.curve_res as f32;
         let (first_half, second_half) = if level.curve_back == 0.0 {
             (level.curve / n_curve_res, level.curve / n_curve_res)
@@ -33,6 +35,7 @@ impl Curvature {
             second_half,
             half: level.curve_res.div_ceil(2),
             tilt: level.curve_v.max(0.0) / n_curve_res,
+            in_plane: dialect == Dialect::TreeGen,
             sideways: level.bend_v / n_curve_res,
         }
     }
@@ -40,8 +43,8 @@ impl Curvature {
     /// The frame of segment `s` (1 or more), from that of the segment before it.
     ///
     /// `correction` is what a split left to turn about local x. The random bend tilts the stem
-    /// toward a random bearing, as in Arbaro; the paper does not give its axis. tree-gen's
-    /// sideways bend turns about local y.
+    /// toward a random bearing, as in Arbaro; the paper does not give its axis. In tree-gen it
+    /// turns about local x, and a sideways bend of its own about local y.
     pub(crate) fn turned(
         &self,
         frame: Frame,
@@ -57,7 +60,10 @@ impl Curvature {
         }
         if self.tilt != 0.0 {
             let angle = tilts.around(0.0, self.tilt);
-            frame = frame.tilted(angle, tilts.between(0.0, TAU));
+            frame = match self.in_plane {
+                true => frame.turned_x(angle),
+                false => frame.tilted(angle, tilts.between(0.0, TAU)),
+            };
         }
         if self.sideways != 0.0 {
             frame = frame.turned_y(sideways.around(0.0, self.sideways));

@@ -8,7 +8,7 @@ use std::ops::Range;
 use glam::{Affine3, Vec3};
 use sapwood_geom::{Aabb, Envelope, Profile, Side, Sphere};
 
-use super::children::THINNEST;
+use super::children::{THINNEST, held_radius};
 use super::grow::grow;
 use super::stem::{StemSeed, Stems};
 use crate::weber_penn::{Crown, Level, Pruning, Target};
@@ -146,7 +146,7 @@ impl StemSeed {
         let free_radius = self.free_radius * thinner;
         let radius = match self.level {
             0 => free_radius,
-            _ => free_radius.min(self.parent_radius),
+            _ => held_radius(free_radius, self.parent_radius, crown),
         };
         let grows = share > 0.0 && radius > THINNEST;
         grows.then_some(Self { length: share * self.length, radius, free_radius, ..*self })

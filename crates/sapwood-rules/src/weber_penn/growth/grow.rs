@@ -11,8 +11,7 @@ use super::frame::Frame;
 use super::split::Splits;
 use super::stem::{Segment, Stem, StemSeed, Stems};
 use super::variation::Draws;
-use crate::weber_penn::Target;
-use crate::weber_penn::{Crown, Level};
+use crate::weber_penn::{Crown, Dialect, Level, Target};
 
 // Keys of clones below their stem's path; children are numbered from 0.
 const CLONE_KEY: u64 = 1 << 63;
@@ -35,7 +34,7 @@ pub fn grow<E>(
         crown,
         level,
         target,
-        curvature: Curvature::new(level),
+        curvature: Curvature::new(level, crown.dialect),
         stems: Stems::default(),
         waiting: VecDeque::new(),
     };
@@ -72,6 +71,8 @@ struct Start {
     correction: f32,
     /// See [`Segment::share`].
     share: f32,
+    /// See [`Splits::probability`].
+    probability: f32,
 }
 
 impl Start {
@@ -83,6 +84,7 @@ impl Start {
             frame: seed.frame,
             correction: 0.0,
             share: 1.0,
+            probability: 1.0,
         }
     }
 }
@@ -107,7 +109,9 @@ impl Growth<'_> {
     ) -> Result<(), E> {
         let (crown, level) = (self.crown, self.level);
         let curve_res = level.curve_res;
-        let Start { path, clone_of, segment: first, mut frame, mut correction, mut share } = start;
+        let tree_gen = crown.dialect == Dialect::TreeGen;
+        let Start { path, clone_of, segment: first, mut frame, .. } = start;
+        let Start { mut correction, mut share, probability, .. } = start;
         let length = seed.length / curve_res as f32;
         let stem = Stem {
             seed: StemSeed { path, ..*seed },
@@ -120,6 +124,7 @@ impl Growth<'_> {
             taper: level.taper,
             helix_radius: helix_radius(level.curve_v, length),
             length_base: match seed.level {
+                0 if tree_gen => crown.base_size * seed.length,
                 0 => crown.base_size * seed.scale_tree,
                 _ => level.base_size * seed.length,
             },
@@ -130,12 +135,18 @@ impl Growth<'_> {
         let draws = |purpose| Draws::new(path, Purpose(purpose), crown.variation);
         let (mut tilts, mut sideways) = (draws("curve"), draws("bend"));
         let attraction = Attraction::new(crown, self.target, seed.level, curve_res);
-        let mut splits = Splits::new(crown, level, seed.level, path, clone_of.is_none());
+        let origin = clone_of.is_none();
+        let mut splits = Splits::new(crown, level, seed.level, path, origin, probability);
+        // tree-gen's stems do not curve where they split.
+        let mut curves = origin || !tree_gen;
         let mut z_foot = first as f32 / curve_res as f32;
         let mut radius_foot = stem.radius_at(z_foot);
         for s in first..curve_res {
             if s > 0 {
-                frame = self.curvature.turned(frame, s, correction, &mut tilts, &mut sideways);
+                if curves {
+                    frame = self.curvature.turned(frame, s, correction, &mut tilts, &mut sideways);
+                }
+                curves = true;
                 frame = attraction.turned(frame);
             }
             let z_end = (s + 1) as f32 / curve_res as f32;
@@ -159,22 +170,22 @@ impl Growth<'_> {
             let clones = if remaining > 0 { splits.count(s) } else { 0 };
             if clones > 0 {
                 charge(clones)?;
-                share /= (clones + 1) as f32;
-                let (continued, owed) = splits.direction(frame, 0, clones, remaining);
+                share = splits.shared(share, s, clones);
+                let (continued, owed) = splits.direction(frame, s, 0, clones, correction);
                 for i in 1..=clones {
-                    let (frame, owed) = splits.direction(frame, i, clones, remaining);
+                    let (frame, correction) = splits.direction(frame, s, i, clones, correction);
                     self.waiting.push_back(Start {
                         path: path.child(CLONE_KEY | u64::from(s) << 32 | i as u64),
                         clone_of: Some(index),
                         segment: s + 1,
                         frame,
-                        // What an earlier split still owes is owed by the clone as well.
-                        correction: correction + owed,
+                        correction,
                         share,
+                        probability: splits.probability(),
                     });
                 }
-                frame = continued;
-                correction += owed;
+                (frame, correction) = (continued, owed);
+                curves = !tree_gen;
             }
         }
         Ok(())

@@ -7,12 +7,11 @@ use sapwood_geom::Purpose;
 
 use super::attraction::turned_toward;
 use super::frame::Frame;
-use super::placement::{Places, Turns, down_angle, fan_angle};
+use super::placement::{Grouping, Places, Turn, Turns, down_angle, fan_angle};
 use super::shape_ratio::shape_ratio;
 use super::stem::{Leaf, Stem, Stems};
 use super::variation::Draws;
-use crate::weber_penn::LeafTarget;
-use crate::weber_penn::{Crown, LeafParams};
+use crate::weber_penn::{Crown, Dialect, LeafParams, LeafTarget};
 
 /// The leaves of `stems`, in the order of their stems and from base to tip.
 ///
@@ -26,9 +25,12 @@ pub fn leaves<E>(
 ) -> Result<Vec<Leaf>, E> {
     let mut leaves = Vec::new();
     let mut turns = Turns::new(stems);
-    let (length, width) = (params.length(), params.width());
-    let petiole = params.stem_len * length;
+    let tree_gen = crown.dialect == Dialect::TreeGen;
+    let grouping = Grouping::new(params.grouping, 1.0);
     for (index, stem) in stems.stems.iter().enumerate() {
+        let size = relative_size(stem.seed.scale_tree, crown);
+        let (length, width) = (params.length() * size, params.width() * size);
+        let petiole = params.stem_len * length;
         let draws = |purpose| Draws::new(stem.seed.path, Purpose(purpose), crown.variation);
         let mut rotations = draws("leaf rotation");
         let mut down_angles = draws("leaf down angle");
@@ -50,19 +52,24 @@ pub fn leaves<E>(
             }
             continue;
         }
-        let mut places =
-            Places::new(stem, n_leaves(stem, crown, params), 1.0, Purpose("leaf place"));
+        let count = n_leaves(stem, crown, params);
+        let mut places = Places::new(stem, count, grouping, Purpose("leaf place"));
         let mut turn = turns.start(stems, stem);
+        if tree_gen {
+            turn = Turn::starting_at(rotations.between(0.0, TAU));
+        }
         for at in stem.segment_range() {
             let segment = &stems.segments[at];
-            let (count, slots) = places.on(segment);
+            // tree-gen's clones have no fewer leaves.
+            let share = if tree_gen { 1.0 } else { segment.share };
+            let (count, slots) = places.on(segment, share);
             if count > 0 {
                 charge(count)?;
                 leaves.reserve(count);
             }
             for i in 0..count {
-                let offset = places.offset(slots, i);
-                let angle = turn.next(params.rotate, params.rotate_v, &mut rotations);
+                let (offset, step) = places.at(slots, i);
+                let angle = turn.next(step, params.rotate, params.rotate_v, &mut rotations);
                 let center = stems.center_in(index, segment, offset);
                 leaves.push(leaf(offset, segment.frame.at(center).turned_z(angle)));
             }
@@ -72,13 +79,32 @@ pub fn leaves<E>(
     Ok(leaves)
 }
 
+/// The size of a tree relative to its species' own, which leaves follow in tree-gen's dialect.
+pub(crate) fn relative_size(scale_tree: f32, crown: &Crown) -> f32 {
+    if crown.dialect == Dialect::TreeGen && crown.scale > 0.0 {
+        scale_tree / crown.scale
+    } else {
+        1.0
+    }
+}
+
 /// How many leaves a stem carries if it never splits; no whole number.
+///
+/// In tree-gen's dialect there are more on larger trees, and on stems that are longer than others
+/// of their level.
 pub(crate) fn n_leaves(stem: &Stem, crown: &Crown, params: &LeafParams) -> f32 {
     let seed = &stem.seed;
     // A trunk has no parent; its leaves count in full.
     let r = if seed.parent_length > 0.0 { seed.offset / seed.parent_length } else { 1.0 };
     let ratio = shape_ratio(params.distrib, r.clamp(0.0, 1.0), &crown.pruning, crown.dialect);
-    params.count.max(0) as f32 * ratio * params.quality
+    let whole = seed.parent_length * seed.length_child_max;
+    let relative = match crown.dialect {
+        Dialect::TreeGen if whole > 0.0 => {
+            seed.length / whole * relative_size(seed.scale_tree, crown)
+        }
+        Dialect::TreeGen | Dialect::Paper | Dialect::Arbaro => 1.0,
+    };
+    params.count.max(0) as f32 * ratio * relative * params.quality
 }
 
 /// Turns leaves toward the light.

@@ -16,14 +16,41 @@ pub(crate) struct Places {
     // Per metre of an unsplit stem.
     density: f32,
     start: f32,
-    branch_dist: f32,
+    grouping: Grouping,
     counts: Diffusion,
     jitter: Draws,
+    // Where the whorls of the segment at hand end, counted from its first child.
+    whorls: Vec<usize>,
+    sizes: Diffusion,
+    // The whorl or the pair of the last place, and its jitter.
+    last: (usize, f32),
+}
+
+/// How places stand along a segment.
+#[derive(Clone, Copy)]
+pub(crate) enum Grouping {
+    /// Each in a slot of its own; slots shrink toward the segment's foot by this factor.
+    Single(f32),
+    /// tree-gen's: every second one moves toward the one before it by this share of a slot.
+    Pairs(f32),
+    /// tree-gen's: so many at one height, on average.
+    Whorls(f32),
+}
+
+impl Grouping {
+    /// By tree-gen's branch_dist where there is one, else by nBranchDist.
+    pub(crate) fn new(tree_gen: Option<f32>, branch_dist: f32) -> Self {
+        match tree_gen {
+            Some(dist) if dist > 1.0 => Self::Whorls(dist + 1.0),
+            Some(dist) if dist > 0.0 => Self::Pairs(dist),
+            _ => Self::Single(branch_dist),
+        }
+    }
 }
 
 impl Places {
     /// `count` places on `stem`, were it never split.
-    pub(crate) fn new(stem: &Stem, count: f32, branch_dist: f32, purpose: Purpose) -> Self {
+    pub(crate) fn new(stem: &Stem, count: f32, grouping: Grouping, purpose: Purpose) -> Self {
         let start = stem.length_base.max(stem.seed.parent_radius);
         let free = stem.seed.length - start;
         // Jitter is no `X ± V`, so the variation of the species does not reach it.
@@ -31,24 +58,84 @@ impl Places {
         let density = if free > 0.0 && count > 0.0 { count / free } else { 0.0 };
         let trunk = stem.seed.level == 0 && stem.clone_of.is_none();
         let error = if trunk || density == 0.0 { 0.0 } else { jitter.between(-0.5, 0.5) };
-        Self { density, start, branch_dist, counts: Diffusion::new(error), jitter }
+        Self {
+            density,
+            start,
+            grouping,
+            counts: Diffusion::new(error),
+            jitter,
+            whorls: Vec::new(),
+            sizes: Diffusion::new(0.0),
+            last: (0, 0.0),
+        }
     }
 
-    /// How many grow on the next segment, and the slots that they grow in.
-    pub(crate) fn on(&mut self, segment: &Segment) -> (usize, Slots) {
+    /// How many grow on the next segment, and the slots that they grow in; `share` is the share of
+    /// what an unsplit stem would carry there.
+    pub(crate) fn on(&mut self, segment: &Segment, share: f32) -> (usize, Slots) {
         let foot = segment.offset.max(self.start);
         let free = segment.offset + segment.length - foot;
         if free <= 0.0 || self.density == 0.0 {
             return (0, Slots { foot, slot: 0.0 });
         }
-        let count = self.counts.whole(self.density * free * segment.share);
-        (count, Slots { foot, slot: free / count.max(1) as f32 * self.branch_dist })
+        let amount = self.density * free * share;
+        self.last = (usize::MAX, 0.0);
+        let Grouping::Whorls(size) = self.grouping else {
+            let count = self.counts.whole(amount);
+            let dist = if let Grouping::Single(dist) = self.grouping { dist } else { 1.0 };
+            return (count, Slots { foot, slot: free / count.max(1) as f32 * dist });
+        };
+        let n_whorls = self.counts.whole(amount / size);
+        self.whorls.clear();
+        let mut count = 0;
+        for _ in 0..n_whorls {
+            count += self.sizes.whole(size);
+            self.whorls.push(count);
+        }
+        (count, Slots { foot, slot: free / n_whorls.max(1) as f32 })
     }
 
-    /// The offset in metres of the `i`th in these slots: the middle, moved by up to a quarter.
-    pub(crate) fn offset(&mut self, slots: Slots, i: usize) -> f32 {
-        slots.foot + slots.slot * (i as f32 + self.jitter.between(0.25, 0.75))
+    /// The offset in metres of the `i`th in these slots, and the step round the parent that leads
+    /// to it. Call it in the order of `i`.
+    ///
+    /// It stands in the middle of its slot, moved by up to a quarter; pairs and whorls are moved
+    /// together.
+    pub(crate) fn at(&mut self, slots: Slots, i: usize) -> (f32, Step) {
+        let (slot, moved, step) = match self.grouping {
+            Grouping::Single(_) => (i, self.jitter.between(0.25, 0.75), Step::Next),
+            Grouping::Pairs(dist) => {
+                let moved = self.moved(i / 2);
+                (i, if i % 2 == 1 { moved - dist } else { moved }, Step::Next)
+            }
+            Grouping::Whorls(_) => {
+                let whorl = self.whorls.partition_point(|&end| end <= i);
+                let start = if whorl == 0 { 0 } else { self.whorls[whorl - 1] };
+                let share = (i - start) as f32 / (self.whorls[whorl] - start) as f32;
+                (whorl, self.moved(whorl), Step::InWhorl { share })
+            }
+        };
+        (slots.foot + slots.slot * (slot as f32 + moved), step)
     }
+
+    /// Where in its slot a pair or a whorl stands.
+    fn moved(&mut self, group: usize) -> f32 {
+        if self.last.0 != group {
+            self.last = (group, self.jitter.between(0.25, 0.75));
+        }
+        self.last.1
+    }
+}
+
+/// The step round the parent from one child to the next.
+#[derive(Clone, Copy)]
+pub(crate) enum Step {
+    /// By nRotate.
+    Next,
+    /// To this share of a circle from the whorl's first; whorls turn by nRotate.
+    InWhorl {
+        /// 0 for the first.
+        share: f32,
+    },
 }
 
 /// Equal parts of a segment, in metres.
@@ -68,18 +155,39 @@ pub(crate) struct Turn {
 }
 
 impl Turn {
+    /// So far round the parent before the first child.
+    pub(crate) fn starting_at(angle: f32) -> Self {
+        Self { angle, ..Self::default() }
+    }
+
     /// The angle of the next child about the parent's z.
-    pub(crate) fn next(&mut self, rotate: f32, rotate_v: f32, draws: &mut Draws) -> f32 {
-        if rotate >= 0.0 {
-            self.angle += draws.around(rotate, rotate_v);
-            if !(0.0..TAU).contains(&self.angle) {
-                self.angle -= TAU * (self.angle / TAU).floor();
+    pub(crate) fn next(
+        &mut self,
+        step: Step,
+        rotate: f32,
+        rotate_v: f32,
+        draws: &mut Draws,
+    ) -> f32 {
+        if let Step::InWhorl { share } = step {
+            if share == 0.0 {
+                self.advance(rotate);
             }
+            return self.angle + TAU * share + draws.around(0.0, rotate_v);
+        }
+        if rotate >= 0.0 {
+            self.advance(draws.around(rotate, rotate_v));
             self.angle
         } else {
             self.first_side = !self.first_side;
             let angle = draws.around(PI + rotate, rotate_v);
             if self.first_side { angle } else { -angle }
+        }
+    }
+
+    fn advance(&mut self, by: f32) {
+        self.angle += by;
+        if !(0.0..TAU).contains(&self.angle) {
+            self.angle -= TAU * (self.angle / TAU).floor();
         }
     }
 
@@ -122,7 +230,7 @@ impl Turns {
 /// The angle between a parent and what grows on it at `offset` metres.
 ///
 /// A negative variation is not random: it is added in full at the bottom of the parent and
-/// taken away toward the top (the paper prints ± there).
+/// taken away toward the top (the paper prints ± there). tree-gen varies the sum by a tenth.
 pub(crate) fn down_angle(
     down_angle: f32,
     down_angle_v: f32,
@@ -135,7 +243,11 @@ pub(crate) fn down_angle(
         return draws.around(down_angle, down_angle_v);
     }
     let r = height_ratio(parent, offset);
-    down_angle + down_angle_v * (1.0 - 2.0 * conical(r, dialect))
+    let angle = down_angle + down_angle_v * (1.0 - 2.0 * conical(r, dialect));
+    match dialect {
+        Dialect::TreeGen => draws.around(angle, 0.1 * angle),
+        Dialect::Paper | Dialect::Arbaro => angle,
+    }
 }
 
 /// 1 at the lowest place on `parent` where something grows, 0 at its tip.
@@ -176,14 +288,14 @@ mod tests {
     fn helical_turns_add_up_and_alternating_ones_do_not() {
         let mut turn = Turn::default();
         let angles: Vec<f32> = (0..4)
-            .map(|_| turn.next(140f32.to_radians(), 0.0, &mut draws()).to_degrees())
+            .map(|_| turn.next(Step::Next, 140f32.to_radians(), 0.0, &mut draws()).to_degrees())
             .collect();
         for (angle, expected) in angles.iter().zip([140.0, 280.0, 60.0, 200.0]) {
             assert!((angle - expected).abs() < 1e-3, "{angles:?}");
         }
         let mut turn = Turn::default();
         for expected in [60.0, -60.0, 60.0] {
-            let angle = turn.next(-120f32.to_radians(), 0.0, &mut draws()).to_degrees();
+            let angle = turn.next(Step::Next, -120f32.to_radians(), 0.0, &mut draws()).to_degrees();
             assert!((angle - expected).abs() < 1e-3);
         }
     }

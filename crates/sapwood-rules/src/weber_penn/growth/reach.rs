@@ -11,8 +11,10 @@ use std::f32::consts::{FRAC_PI_2, PI};
 use glam::{Vec2, Vec3};
 use sapwood_geom::{Aabb, Bound, Content, Digester, Sphere};
 
-use super::children::lost_length;
+use super::attraction::TROPISM;
+use super::children::{TREE_GEN_THINNEST, lost_length};
 use super::curve::helix_radius;
+use super::leaves::relative_size;
 use super::shape_ratio::shape_ratio;
 use super::trunks::scale_limit;
 use super::variation::greatest_deviation;
@@ -99,7 +101,13 @@ impl Reach {
             Vec2::new(piece.side, height).length() + piece.around
         });
         let radius = radius.fold(0.0, f32::max);
-        Self { side, up, down, middle, radius, margin: leaf_reach(leaves) }
+        let margin = leaf_reach(leaves) * relative_size(scale_limit(crown), crown);
+        // However short they are, tree-gen's stems are so thick.
+        let thick = match crown.dialect {
+            Dialect::TreeGen => TREE_GEN_THINNEST * widest(crown, levels),
+            Dialect::Paper | Dialect::Arbaro => 0.0,
+        };
+        Self { side, up, down, middle, radius, margin: margin + thick }
     }
 
     /// The same or a little more: in steps of a sixteenth of the trunk's length, and for the leaves
@@ -173,15 +181,18 @@ impl<'a> Trunk<'a> {
         let [level, child, ..] = levels;
         let last = crown.levels.min(256) as usize;
         let at = |n: usize| levels[n.min(3)];
-        let (mut child_reach, mut widened) = (0.0f32, 1.0f32);
+        let mut child_reach = 0.0f32;
         for n in (1..last).rev() {
-            widened *= widening(at(n));
             let next = (n + 1 < last).then(|| at(n + 1));
             child_reach = stem_reach(crown, at(n), next, child_reach, deviation);
         }
         let spread = deviation * level.length_v.abs();
-        let bare = [level.length + spread, level.length - spread]
-            .map(|longest| if longest > 0.0 { (crown.base_size / longest).min(1.0) } else { 1.0 });
+        let bare =
+            [level.length + spread, level.length - spread].map(|longest| match crown.dialect {
+                Dialect::TreeGen => crown.base_size.min(1.0),
+                _ if longest > 0.0 => (crown.base_size / longest).min(1.0),
+                _ => 1.0,
+            });
         let has_children = last > 1 && child.branches != 0;
         let astray = astray(level, child);
         let bare = if bare[0] <= bare[1] { bare } else { [bare[1], bare[0]] };
@@ -194,7 +205,7 @@ impl<'a> Trunk<'a> {
             deviation,
             bare,
             child_reach,
-            widening: widened,
+            widening: widest(crown, levels),
             astray,
             topped,
         }
@@ -242,13 +253,18 @@ impl<'a> Trunk<'a> {
         // The segment in which z lies, if z is its end.
         let segment = ((z * res).ceil() - 1.0).clamp(0.0, res - 1.0);
         let half = level.curve_res.div_ceil(2) as f32;
-        let curve = if level.curve_back == 0.0 {
-            segment * level.curve / res
+        let (curve, curve_back) = if level.curve_back == 0.0 {
+            (segment * level.curve / res, 0.0)
         } else {
             let second = (segment - (half - 1.0)).max(0.0);
-            ((segment - second) * level.curve + second * level.curve_back) / (0.5 * res)
+            let half = 0.5 * res;
+            ((segment - second) * level.curve / half, second * level.curve_back / half)
         };
-        let tilts = segment * self.deviation * (level.curve_v.max(0.0) + level.bend_v.abs()) / res;
+        let bends = level.curve_v.max(0.0) + level.bend_v.abs();
+        let mut tilts = segment * self.deviation * bends / res;
+        if let Some([x, y, _]) = crown.tropism {
+            tilts += segment * TROPISM * Vec2::new(x, y).length();
+        }
         let spread = self.deviation * level.down_angle_v.abs();
         // Each segment so far may have split, and every split is undone in time.
         let n_splits = match (level.seg_splits > 0.0, level.base_splits != 0) {
@@ -257,14 +273,31 @@ impl<'a> Trunk<'a> {
             (false, false) => 0.0,
         };
         let spread_split = self.deviation * level.split_angle_v.abs();
-        let is_planar = level.split_angle < 0.0 && crown.dialect == Dialect::TreeGen;
-        let (split, planar) = if is_planar {
-            (0.0, 0.5 * n_splits * (level.split_angle.abs() + spread_split))
-        } else {
-            (n_splits * (level.split_angle + spread_split).max(0.0), 0.0)
+        let split = n_splits * (level.split_angle + spread_split).max(0.0);
+        let (low, high, planar) = match crown.dialect {
+            Dialect::TreeGen => {
+                // What splits curves in some of its segments only.
+                let (low, high) = match n_splits > 0.0 {
+                    true => {
+                        let [a, b] = [curve, curve_back];
+                        (a.min(0.0) + b.min(0.0), a.max(0.0) + b.max(0.0))
+                    }
+                    false => (curve + curve_back, curve + curve_back),
+                };
+                let planar = if level.split_angle < 0.0 {
+                    0.5 * n_splits * (level.split_angle.abs() + spread_split)
+                } else {
+                    0.0
+                };
+                // It turns by half the angle, and then back by less than the whole.
+                (low - 0.5 * split, high + 0.5 * split, planar)
+            }
+            Dialect::Paper | Dialect::Arbaro => {
+                (curve + curve_back, curve + curve_back + split, 0.0)
+            }
         };
-        let low = level.down_angle - spread + curve;
-        let high = level.down_angle + spread + curve + split;
+        let low = level.down_angle - spread + low;
+        let high = level.down_angle + spread + high;
         (low.abs().max(high.abs()) + tilts + planar).min(PI)
     }
 
@@ -360,13 +393,20 @@ fn stem_reach(
 
 /// By how much a child's place may lie off its parent's segment, relative to the parent's length.
 fn astray(parent: &Level, child: &Level) -> f32 {
-    let off = (child.branch_dist - 1.0).max(-child.branch_dist).max(0.0);
+    // Pairs and whorls keep to their segment.
+    let dist = child.grouping.filter(|dist| *dist > 0.0).map_or(child.branch_dist, |_| 1.0);
+    let off = (dist - 1.0).max(-dist).max(0.0);
     off / parent.curve_res as f32
 }
 
 /// How much thicker a stem may become than it begins.
 fn widening(level: &Level) -> f32 {
     1.0 + (-level.taper).max(0.0)
+}
+
+/// How much thicker than they begin stems beyond the trunk may become, all together.
+fn widest(crown: &Crown, levels: [&Level; 4]) -> f32 {
+    (1..crown.levels.min(256) as usize).map(|n| widening(levels[n.min(3)])).product()
 }
 
 /// How much further lobes reach than the mean radius.

@@ -36,7 +36,8 @@ pub struct StemSeed {
     pub parent_radius: f32,
     /// The greatest length of its level relative to the parent's, as drawn for this stem.
     pub length_child_max: f32,
-    /// The size of the tree in metres, drawn once per tree.
+    /// The size of the tree in metres, drawn once per tree; in tree-gen's dialect for each of
+    /// several trunks.
     pub scale_tree: f32,
 }
 
@@ -73,7 +74,8 @@ pub struct Segment {
     pub z_foot: f32,
     /// The stem's z at its end.
     pub z_end: f32,
-    /// The share of the children and leaves that it would carry on a stem that never split.
+    /// The share of the children and leaves that it would carry on a stem that never split; in
+    /// tree-gen's dialect of the children alone.
     pub share: f32,
 }
 

@@ -1,17 +1,17 @@
 //! The seeds of the trunks: the size of the tree, and where its trunks stand (Weber and Penn
 //! 1995, sections 4.3 and 4.4; several trunks after Arbaro).
 
-use std::f32::consts::TAU;
+use std::f32::consts::{FRAC_PI_2, TAU};
 
 use glam::Vec3;
 use sapwood_geom::{Purpose, StreamPath};
 
 use super::children::{SHORTEST, THINNEST};
 use super::frame::Frame;
-use super::placement::Turn;
+use super::placement::{Step, Turn};
 use super::stem::StemSeed;
 use super::variation::{Draws, greatest_deviation};
-use crate::weber_penn::{Crown, Level};
+use crate::weber_penn::{Crown, Dialect, Level};
 
 // The oak's 10 ± 10 could give a tree of no size.
 const SMALLEST: f32 = 0.05;
@@ -19,7 +19,8 @@ const SMALLEST: f32 = 0.05;
 /// The seeds of a tree's trunks; `path` is where the tree's random streams start.
 ///
 /// A single trunk stands at the origin, several are scattered over a disc of radius
-/// `level.branch_dist` metres. All share one size of the tree. `charge` is told of the number
+/// `level.branch_dist` metres. All share one size of the tree; in tree-gen's dialect each has a
+/// size of its own, several face outward, and one faces any way. `charge` is told of the number
 /// before memory is taken.
 pub fn trunks<E>(
     crown: &Crown,
@@ -30,20 +31,31 @@ pub fn trunks<E>(
     let count = if crown.levels == 0 { 0 } else { level.branches.max(0) as usize };
     charge(count)?;
     let draws = |purpose| Draws::new(path, Purpose(purpose), crown.variation);
-    let scale_tree = scale_tree(crown, path);
+    let tree_gen = crown.dialect == Dialect::TreeGen;
+    let mut rolls = draws("trunk roll");
+    let whole = scale_tree(crown, path);
     let (mut places, mut turn) = (draws("trunk place"), Turn::default());
     let (mut down_angles, mut rotations) = (draws("trunk down angle"), draws("trunk rotation"));
     let (mut lengths, mut radii) = (draws("trunk length"), draws("trunk radius"));
     let mut seeds = Vec::with_capacity(count);
     for key in 0..count {
-        let origin = if count > 1 {
+        let (origin, outward) = if count > 1 {
             let radius = level.branch_dist * places.between(0.0, 1.0).sqrt();
-            let (sin, cos) = libm::sincosf(places.between(0.0, TAU));
-            Vec3::new(radius * cos, radius * sin, 0.0)
+            let bearing = places.between(0.0, TAU);
+            let (sin, cos) = libm::sincosf(bearing);
+            // Positive angles about x lead toward -y, a quarter turn behind x.
+            (Vec3::new(radius * cos, radius * sin, 0.0), bearing + FRAC_PI_2)
         } else {
-            Vec3::ZERO
+            (Vec3::ZERO, 0.0)
         };
-        let angle = turn.next(level.rotate, level.rotate_v, &mut rotations);
+        let roll = match tree_gen {
+            true if count > 1 => outward,
+            true => rolls.between(0.0, TAU),
+            false => 0.0,
+        };
+        let own = tree_gen && count > 1;
+        let scale_tree = if own { scale_tree(crown, path.child(key as u64)) } else { whole };
+        let angle = roll + turn.next(Step::Next, level.rotate, level.rotate_v, &mut rotations);
         let down = down_angles.around(level.down_angle, level.down_angle_v);
         let length_child_max = lengths.around(level.length, level.length_v).max(0.0);
         let length = length_child_max * scale_tree;

@@ -27,7 +27,7 @@ pub enum Dialect {
     Paper,
     /// Arbaro's shape 0, its vertical attraction, and 0Scale applied to the surface alone.
     Arbaro,
-    /// tree-gen's length rule, random base splits, planar splits and its extra keys.
+    /// tree-gen's splits, lengths, leaf counts and extra keys; `docs/architecture.md` lists them.
     TreeGen,
 }
 

@@ -320,17 +320,19 @@ impl Default for LevelSpec {
 /// tree-gen's extra parameters; arrays hold one number per level.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TreeGenExt {
-    /// The branchless share of each level's stems.
+    /// The branchless share of each level's stems; the trunk's is [`Species::base_size`].
     pub base_size: Option<[f32; 4]>,
     /// Random sideways bend in degrees.
     pub bend_v: Option<[f32; 4]>,
-    /// 0 alternate, 1 opposite, above 1 whorls; not to be mixed up with nBranchDist.
+    /// How what grows on the level before is grouped: 0 alternate, 1 opposite, above 1 whorls of
+    /// one more on average; not to be mixed up with nBranchDist.
     pub branch_dist: Option<[f32; 4]>,
     /// A factor on the radius.
     pub radius_mod: Option<[f32; 4]>,
-    /// The vector that stems bend toward, instead of AttractionUp.
+    /// The vector that stems bend toward, instead of AttractionUp; trunks and the first branches
+    /// feel its horizontal part alone.
     pub tropism: Option<[f32; 3]>,
-    /// The share of leaves replaced by blossoms.
+    /// The share of leaves replaced by blossoms; kept, no blossoms grow.
     pub blossom_rate: Option<f32>,
     /// The size of a blossom in metres.
     pub blossom_scale: Option<f32>,

@@ -6,6 +6,7 @@ mod directions;
 mod measure;
 mod parameters;
 mod species;
+mod tree_gen;
 mod whole;
 
 use std::convert::Infallible;

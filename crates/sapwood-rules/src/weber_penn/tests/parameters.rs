@@ -154,15 +154,12 @@ fn every_key_has_a_test() {
         "split_angle_v",
         "ext.tree_gen.base_size",
         "ext.tree_gen.bend_v",
+        "ext.tree_gen.branch_dist",
         "ext.tree_gen.radius_mod",
         "ext.tree_gen.tropism",
     ];
-    let kept = [
-        "ext.tree_gen.branch_dist",
-        "ext.tree_gen.blossom_rate",
-        "ext.tree_gen.blossom_scale",
-        "ext.tree_gen.blossom_shape",
-    ];
+    let kept =
+        ["ext.tree_gen.blossom_rate", "ext.tree_gen.blossom_scale", "ext.tree_gen.blossom_shape"];
     for key in keys() {
         let name = last(key.name());
         assert!(
