@@ -133,6 +133,21 @@ pub(crate) struct TreeArguments {
     /// Grow that many levels of stems only, 1 for the trunk alone; leaves grow on the last
     #[arg(long, value_name = "N", value_parser = levels, allow_negative_numbers = true)]
     pub(crate) levels: Option<u32>,
+    /// Grow inside of a shape, in the words of --cut of `sapwood grow`: stems are shortened until
+    /// their segments end inside, and what does not fit does not grow. May be given several times;
+    /// each holds
+    #[arg(long, value_name = "SHAPE", allow_hyphen_values = true)]
+    pub(crate) prune: Vec<Shape>,
+    /// How firmly --prune holds: 0 not at all, 1 fully, between by the paper's weighted mean
+    /// [default: 1]
+    #[arg(
+        long,
+        value_name = "R",
+        value_parser = share,
+        allow_negative_numbers = true,
+        requires = "prune"
+    )]
+    pub(crate) prune_ratio: Option<f32>,
     /// Stop before there are more triangles than this
     #[arg(
         long,
@@ -330,6 +345,10 @@ fn lines(text: &str) -> Result<usize, String> {
 /// How many levels there are to choose from, the species decides.
 fn levels(text: &str) -> Result<u32, String> {
     accepted(text.parse().ok(), |_| true, "1 up to the levels of the species")
+}
+
+fn share(text: &str) -> Result<f32, String> {
+    accepted(text.parse().ok(), |share| (0.0..=1.0).contains(share), "0 to 1")
 }
 
 fn quality(text: &str) -> Result<f32, String> {

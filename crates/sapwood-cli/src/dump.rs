@@ -24,7 +24,7 @@ fn text(arguments: &DumpArguments, watch: &Watch) -> Result<String, Failure> {
     let DumpArguments { individual, tree: of, max_lines } = arguments;
     let species = tree::species(of)?;
     let mut scene = Scene::new();
-    let root = tree::planted(&mut scene, &species, individual.individual())?;
+    let root = tree::planted(&mut scene, &species, individual.individual(), of)?;
     let (view, _) = tree::compiled(&mut scene, root, &tree::rules(of), of, watch)?;
     let mut text = scene.explain(view, *max_lines)?;
     text.push_str("render graph\n");

@@ -141,7 +141,7 @@ fn grown(
 ) -> Result<(Scene, ViewId, Aabb), Failure> {
     watch.check()?;
     let mut scene = Scene::new();
-    let root = tree::planted(&mut scene, species, Individual::Seed(seed))?;
+    let root = tree::planted(&mut scene, species, Individual::Seed(seed), of)?;
     let (view, bounds) = tree::compiled(&mut scene, root, &tree::rules(of), of, watch)?;
     Ok((scene, view, bounds.aabb))
 }

@@ -53,7 +53,7 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
 
     let mut scene = Scene::new();
     scene.set_logging(tracing::enabled!(Level::DEBUG));
-    let root = tree::planted(&mut scene, &species, individual)?;
+    let root = tree::planted(&mut scene, &species, individual, of)?;
     let rules = tree::rules(of);
     let (view, bounds) =
         steps.time("compile", || tree::compiled(&mut scene, root, &rules, of, watch))?;
@@ -268,9 +268,10 @@ fn title(name: &str, individual: Individual, arguments: &TreeArguments) -> Strin
         1.0 => String::new(),
         quality => format!(", quality {quality}"),
     };
+    let held = if arguments.prune.is_empty() { "" } else { ", pruned" };
     match individual {
-        Individual::At([x, y, z]) => format!("{name} at {x}, {y}, {z}{detail}{quality}"),
-        Individual::Seed(seed) => format!("{name}, seed {seed}{detail}{quality}"),
+        Individual::At([x, y, z]) => format!("{name} at {x}, {y}, {z}{detail}{quality}{held}"),
+        Individual::Seed(seed) => format!("{name}, seed {seed}{detail}{quality}{held}"),
     }
 }
 
@@ -393,7 +394,9 @@ mod tests {
         let arguments = parsed("quaking_aspen");
         let species = sapwood::io::find_species("quaking_aspen").unwrap();
         let mut scene = Scene::new();
-        let root = tree::planted(&mut scene, &species, arguments.individual.individual()).unwrap();
+        let root =
+            tree::planted(&mut scene, &species, arguments.individual.individual(), &arguments.tree)
+                .unwrap();
         let rules = sapwood::standard_rules();
         tree::compiled(&mut scene, root, &rules, &arguments.tree, &Watch::default()).unwrap();
         scene.set_logging(true);

@@ -3,8 +3,11 @@
 mod counting;
 
 use sapwood::geom::Bound;
-use sapwood::rules::weber_penn::{self, DetailSlot, Seed, Species, Tree};
-use sapwood::scene::{Action, Attribute, Budget, Handle, RuleSet, Scene, Transform, ViewId};
+use sapwood::io::Shape;
+use sapwood::rules::weber_penn::{self, DetailSlot, PruneRatioSlot, Seed, Species, Tree};
+use sapwood::scene::{
+    Action, Attribute, Budget, EnvelopeSlot, Handle, RuleSet, Scene, Transform, ViewId,
+};
 use tracing::debug;
 
 use crate::arguments::{Detail, Individual, TreeArguments};
@@ -30,13 +33,19 @@ pub(crate) fn rules(arguments: &TreeArguments) -> RuleSet {
     }
 }
 
-/// Places the species and a tree of it in the scene.
+/// Places the species and a tree of it in the scene, inside of what the arguments hold it by.
 pub(crate) fn planted(
     scene: &mut Scene,
     species: &Species,
     individual: Individual,
+    arguments: &TreeArguments,
 ) -> Result<Handle<Attribute>, Failure> {
-    let root = scene.add(species.attribute());
+    let mut attribute = species.attribute();
+    if let Some(envelope) = Shape::all(&arguments.prune, None)? {
+        attribute.set::<EnvelopeSlot>(Some(envelope));
+        attribute.set::<PruneRatioSlot>(arguments.prune_ratio.unwrap_or(1.0));
+    }
+    let root = scene.add(attribute);
     match individual {
         Individual::Seed(seed) => {
             scene.add_to(root, Tree { seed: Seed::Explicit(seed) })?;

@@ -154,6 +154,54 @@ fn help_is_no_failure_and_tells_everything() {
 }
 
 #[test]
+fn trees_grow_inside_of_shapes() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let json = |line: &str| -> serde_json::Value {
+        let line = format!("grow quaking_aspen --json --quality 0.1 {line}");
+        serde_json::from_str(&says(at, &line)).unwrap()
+    };
+    let max = |line: &str| {
+        let said = json(line);
+        [0, 1, 2].map(|axis| said["bounds"]["max"][axis].as_f64().unwrap())
+    };
+    let (free, stems) = (max(""), |line: &str| json(line)["stems"][2].as_u64().unwrap());
+    // Leaves and the thickness of wood reach a little further than segments do.
+    let wall = "--prune half-space:1,0,0,1";
+    let [x, y, z] = max(wall);
+    assert!(x < 1.3 && free[0] > 2.0 && y == free[1] && z > 1.0, "{x} {y} {z} {free:?}");
+    assert!(stems(wall) < stems(""));
+    let [half, ..] = max(&format!("{wall} --prune-ratio 0.5"));
+    assert!(half > 1.3 && half < free[0], "{half}");
+    let [x, y, _] = max("--prune half-space:1,0,0,1 --prune half-space:0,1,0,6");
+    assert!(x < 1.3 && (4.0..6.4).contains(&y), "{x} {y}");
+    assert_eq!(json(wall)["prune"][0], "half-space:1,0,0,1");
+    // The same in a species file, and a mesh beside it.
+    says(at, "grow quaking_aspen --levels 1 -o trunk.glb");
+    let species = says(at, "species show quaking_aspen");
+    let held = |shape: &str| {
+        let pruning = format!("[pruning]\nenvelope = \"{shape}\"");
+        let text =
+            species.replacen("[pruning]", &pruning, 1).replace("\nratio = 0\n", "\nratio = 1\n");
+        std::fs::write(at.join("held.toml"), text).unwrap();
+        let said = says(at, "grow held.toml --json --quality 0.1");
+        serde_json::from_str::<serde_json::Value>(&said).unwrap()["stems"].clone()
+    };
+    assert_eq!(held("half-space:1,0,0,1"), json(wall)["stems"]);
+    let within = held("mesh:trunk.glb");
+    assert!(within[0] == 1 && within[1].as_u64().unwrap() < 5, "{within}");
+
+    let check = |rest: &str, code, told: &str| {
+        let said = fails(at, &format!("grow quaking_aspen -o no.glb {rest}"), code);
+        assert!(said.contains(told), "{said}");
+    };
+    check("--prune ball:1", 2, "'ball' is no shape (accepted: sphere:X,Y,Z,R");
+    check("--prune mesh:none.glb", 1, "none.glb");
+    check("--prune sphere:0,6,0,3 --prune-ratio 2", 2, "0 to 1");
+    check("--prune-ratio 0.5", 2, "--prune");
+}
+
+#[test]
 fn trees_are_cut_by_shapes() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
