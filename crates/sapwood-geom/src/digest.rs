@@ -6,7 +6,7 @@
 
 use std::hash::Hasher as _;
 use std::ops::Deref;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, LazyLock, OnceLock};
 
 use glam::{Affine3, Mat3, Quat, Vec2, Vec3, Vec4};
 use siphasher::sip128::{Hasher128 as _, SipHasher13};
@@ -54,18 +54,60 @@ pub trait Content {
 }
 
 /// Collects content and ends in a [`Digest`].
-pub struct Digester(SipHasher13);
+pub struct Digester {
+    hasher: SipHasher13,
+    /// Bytes that the hasher has not seen yet. Content comes in numbers of a few bytes each, and
+    /// the hasher is several times as fast on long runs of them.
+    pending: [u8; PENDING],
+    n_pending: usize,
+}
+
+const PENDING: usize = 128;
 
 impl Digester {
     /// An empty digester.
     pub fn new() -> Self {
-        Self(SipHasher13::new())
+        Self { hasher: SipHasher13::new(), pending: [0; PENDING], n_pending: 0 }
     }
 
     /// Adds raw bytes, without their length.
+    #[inline]
     pub fn bytes(&mut self, bytes: &[u8]) -> &mut Self {
-        self.0.write(bytes);
+        let end = self.n_pending + bytes.len();
+        match self.pending.get_mut(self.n_pending..end) {
+            Some(room) => {
+                room.copy_from_slice(bytes);
+                self.n_pending = end;
+            }
+            None => self.hash(bytes),
+        }
         self
+    }
+
+    /// Adds a few bytes whose number is known when this is compiled.
+    #[inline(always)]
+    fn fixed<const N: usize>(&mut self, bytes: [u8; N]) {
+        match self.pending[self.n_pending.min(PENDING)..].first_chunk_mut() {
+            Some(room) => {
+                *room = bytes;
+                self.n_pending += N;
+            }
+            None => self.hash(&bytes),
+        }
+    }
+
+    /// Hashes what is pending, and these bytes where they are many.
+    #[cold]
+    fn hash(&mut self, bytes: &[u8]) {
+        self.hasher.write(&self.pending[..self.n_pending]);
+        self.n_pending = 0;
+        match self.pending.get_mut(..bytes.len()) {
+            Some(room) => {
+                room.copy_from_slice(bytes);
+                self.n_pending = bytes.len();
+            }
+            None => self.hasher.write(bytes),
+        }
     }
 
     /// Adds a value.
@@ -76,7 +118,9 @@ impl Digester {
 
     /// The digest of everything added so far.
     pub fn finish(&self) -> Digest {
-        Digest::from_bits(self.0.finish128().as_u128())
+        let mut hasher = self.hasher;
+        hasher.write(&self.pending[..self.n_pending]);
+        Digest::from_bits(hasher.finish128().as_u128())
     }
 }
 
@@ -89,8 +133,9 @@ impl Default for Digester {
 macro_rules! content_by_bytes {
     ($($t:ty),*) => {$(
         impl Content for $t {
+            #[inline]
             fn write(&self, digester: &mut Digester) {
-                digester.bytes(&self.to_le_bytes());
+                digester.fixed(self.to_le_bytes());
             }
         }
     )*};
@@ -189,13 +234,14 @@ impl<A: Content, B: Content> Content for (A, B) {
 macro_rules! content_by_floats {
     ($($t:ty => $n:literal),*) => {$(
         impl Content for $t {
+            #[inline]
             fn write(&self, digester: &mut Digester) {
                 let floats: [f32; $n] = self.to_array();
                 let mut bytes = [0; $n * 4];
                 for (chunk, float) in bytes.chunks_exact_mut(4).zip(floats) {
                     chunk.copy_from_slice(&float.to_le_bytes());
                 }
-                digester.bytes(&bytes);
+                digester.fixed(bytes);
             }
         }
     )*};
@@ -225,18 +271,26 @@ pub struct Shared<T>(Arc<Inner<T>>);
 
 struct Inner<T> {
     digest: OnceLock<Digest>,
-    value: T,
+    value: Value<T>,
 }
+
+enum Value<T> {
+    Here(T),
+    /// Made when somebody looks for the first time.
+    Later(LazyLock<Shared<T>, Maker<T>>),
+}
+
+type Maker<T> = Box<dyn FnOnce() -> Shared<T> + Send + Sync>;
 
 impl<T: Content> Shared<T> {
     /// Shares `value`; its content is not looked at yet.
     pub fn new(value: T) -> Self {
-        Self(Arc::new(Inner { digest: OnceLock::new(), value }))
+        Self(Arc::new(Inner { digest: OnceLock::new(), value: Value::Here(value) }))
     }
 
     /// The digest of the value; the first call costs one pass over its content.
     pub fn digest(&self) -> Digest {
-        *self.0.digest.get_or_init(|| Digest::of(&self.0.value))
+        *self.0.digest.get_or_init(|| Digest::of(&**self))
     }
 }
 
@@ -244,6 +298,15 @@ impl<T> Shared<T> {
     /// Shares `value` under a digest that the caller vouches for: equal digests must mean equal
     /// values. For values that follow from something digested already.
     pub fn with_digest(digest: Digest, value: T) -> Self {
+        Self(Arc::new(Inner { digest: OnceLock::from(digest), value: Value::Here(value) }))
+    }
+
+    /// Shares what `make` will make when somebody looks at it for the first time, if ever, under
+    /// a digest that the caller vouches for as for [`with_digest`](Self::with_digest).
+    ///
+    /// Whoever looks while it is being made waits; `make` must not look at what it makes.
+    pub fn later(digest: Digest, make: impl FnOnce() -> Shared<T> + Send + Sync + 'static) -> Self {
+        let value = Value::Later(LazyLock::new(Box::new(make)));
         Self(Arc::new(Inner { digest: OnceLock::from(digest), value }))
     }
 
@@ -263,7 +326,10 @@ impl<T> Deref for Shared<T> {
     type Target = T;
 
     fn deref(&self) -> &T {
-        &self.0.value
+        match &self.0.value {
+            Value::Here(value) => value,
+            Value::Later(value) => value,
+        }
     }
 }
 
@@ -281,7 +347,7 @@ impl<T: Content> PartialEq for Shared<T> {
 
 impl<T: std::fmt::Debug> std::fmt::Debug for Shared<T> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        self.0.value.fmt(f)
+        (**self).fmt(f)
     }
 }
 
@@ -321,10 +387,36 @@ mod tests {
     }
 
     #[test]
+    fn content_counts_however_it_is_cut_into_pieces() {
+        let bytes: Vec<u8> = (0..1000u32).map(|i| (i * i) as u8).collect();
+        let whole = Digester::new().bytes(&bytes).finish();
+        for piece in [1, 3, 8, 127, 128, 129, 500] {
+            let mut digester = Digester::new();
+            bytes.chunks(piece).for_each(|piece| _ = digester.bytes(piece));
+            assert_eq!(digester.finish(), whole, "{piece}");
+        }
+    }
+
+    #[test]
     fn shared_content_counts_by_value() {
         let (a, b) = (Shared::new(vec![1u32, 2]), Shared::new(vec![1u32, 2]));
         assert_eq!(a, b);
         assert_ne!(a, Shared::new(vec![1u32, 3]));
+    }
+
+    #[test]
+    fn what_is_made_later_is_made_once_and_not_for_its_digest() {
+        let made = Arc::new(std::sync::atomic::AtomicU32::new(0));
+        let count = Arc::clone(&made);
+        let digest = Digest::of("two numbers");
+        let later = Shared::later(digest, move || {
+            count.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+            Shared::new(vec![1u32, 2])
+        });
+        let other = later.clone();
+        let n_made = || made.load(std::sync::atomic::Ordering::Relaxed);
+        assert_eq!((later.digest(), other == later, n_made()), (digest, true, 0));
+        assert_eq!((other[1], later.len(), n_made()), (2, 2, 1));
     }
 
     #[test]

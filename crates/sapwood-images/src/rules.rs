@@ -1,10 +1,14 @@
 //! The rules that compile images. What they make is their data, for whoever asks for it as an
 //! ingredient; none of them draws anything.
+//!
+//! Pixels are made when somebody looks at them for the first time: a scene that is measured,
+//! counted or drawn as lines never makes any. Until then an image is its description, which has
+//! been found right.
 
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
-use sapwood_geom::{Image, Shared};
-use sapwood_graph::{Material, MaterialImages};
+use sapwood_geom::{Content, Digest, Image, Shared};
+use sapwood_graph::{Material, MaterialImages, Named};
 use sapwood_scene::{Context, MaterialSlot, Rule, RuleError, RuleSet};
 
 use crate::{BarkImage, LeafImage, NoiseImage, Over, Paint, Painted, PaintedMaterial, RampImage};
@@ -29,6 +33,16 @@ fn begin(fault: Option<String>, cx: &mut Context<'_>) -> Result<(), RuleError> {
     fault.map_or(Ok(()), |fault| Err(RuleError::Failed(fault)))
 }
 
+/// One of the images that a component describes: the component's kind, and which of its images,
+/// tell it from all others.
+fn later<C: Named + Content>(
+    described: &C,
+    which: &'static str,
+    make: impl FnOnce() -> Shared<Image> + Send + Sync + 'static,
+) -> Shared<Image> {
+    Shared::later(Digest::of(&(C::NAME, (which, described))), make)
+}
+
 struct NoiseRule;
 
 impl Rule for NoiseRule {
@@ -38,7 +52,8 @@ impl Rule for NoiseRule {
 
     fn init(&self, noise: &NoiseImage, cx: &mut Context<'_>) -> Result<Shared<Image>, RuleError> {
         begin(noise.fault(), cx)?;
-        Ok(noise.image())
+        let described = noise.clone();
+        Ok(later(noise, "color", move || described.image()))
     }
 }
 
@@ -54,10 +69,15 @@ impl Rule for RampRule {
         match &ramp.over {
             // Ramps over the same noise share it, whatever colours it was given.
             Over::Noise(noise) => {
-                let grey = cx.ingredient::<Shared<Image>>(noise.grey())?;
-                Ok(ramp.image_over(grey))
+                let grey = cx.ingredient::<Shared<Image>>(noise.grey())?.clone();
+                let described = RampImage { over: Over::Noise(noise.grey()), ..ramp.clone() };
+                let over = described.clone();
+                Ok(later(&described, "color", move || over.image_over(&grey)))
             }
-            Over::Across(_) | Over::Down(_) => Ok(ramp.image()),
+            Over::Across(_) | Over::Down(_) => {
+                let described = ramp.clone();
+                Ok(later(ramp, "color", move || described.image()))
+            }
         }
     }
 }
@@ -71,7 +91,16 @@ impl Rule for BarkRule {
 
     fn init(&self, bark: &BarkImage, cx: &mut Context<'_>) -> Result<MaterialImages, RuleError> {
         begin(bark.fault(), cx)?;
-        Ok(bark.images())
+        // Colours and normals are made together, whichever is looked at first.
+        let described = bark.clone();
+        let made = Arc::new(LazyLock::new(move || described.images()));
+        let normals = Arc::clone(&made);
+        let missing = "bark has colours and normals";
+        Ok(MaterialImages {
+            base_color: Some(later(bark, "color", move || made.base_color.clone().expect(missing))),
+            normal: Some(later(bark, "normal", move || normals.normal.clone().expect(missing))),
+            ..MaterialImages::default()
+        })
     }
 }
 
@@ -84,7 +113,12 @@ impl Rule for LeafRule {
 
     fn init(&self, leaf: &LeafImage, cx: &mut Context<'_>) -> Result<MaterialImages, RuleError> {
         begin(leaf.fault(), cx)?;
-        Ok(leaf.images())
+        let described = leaf.clone();
+        let make = move || described.images().base_color.expect("leaves have a colour");
+        Ok(MaterialImages {
+            base_color: Some(later(leaf, "color", make)),
+            ..MaterialImages::default()
+        })
     }
 }
 
