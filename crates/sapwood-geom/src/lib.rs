@@ -25,6 +25,7 @@ mod smooth;
 mod stream;
 mod sweep;
 mod triangle_pack;
+mod trig;
 
 pub use bounds::{Aabb, Bound, Sphere};
 pub use box_tree::BoxTree;
@@ -43,6 +44,7 @@ pub use simplify::Simplify;
 pub use stream::{Purpose, Stream, StreamPath};
 pub use sweep::{Around, Cap, Ring, Sweep, SweepOptions, SweepStart};
 pub use triangle_pack::TrianglePack;
+pub use trig::{atan2, sin_cos};
 
 /// The maths library in the version that Sapwood is built with.
 pub use glam;

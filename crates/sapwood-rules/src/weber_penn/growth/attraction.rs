@@ -4,6 +4,7 @@
 use std::f32::consts::PI;
 
 use glam::Vec3;
+use sapwood_geom::{atan2, sin_cos};
 
 use super::frame::Frame;
 use crate::weber_penn::Crown;
@@ -74,7 +75,7 @@ impl Attraction {
             }
             Self::StraightUp(strength) => {
                 let declination = frame.declination();
-                let amount = (declination * libm::sinf(declination)).abs();
+                let amount = (declination * sin_cos(declination).0).abs();
                 turned_toward(frame, frame.axes.z_axis, Vec3::Z, |_| strength * amount)
             }
             Self::Tropism(tropism) => {
@@ -109,7 +110,7 @@ pub(crate) fn turned_toward(
     if sine <= PARALLEL {
         return frame;
     }
-    frame.turned_about(across / sine, amount(libm::atan2f(sine, from.dot(to))))
+    frame.turned_about(across / sine, amount(atan2(sine, from.dot(to))))
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! A place and an orientation: what a stem, a segment or a leaf starts from.
 
 use glam::{Affine3, Mat3, Vec3};
-use sapwood_geom::content;
+use sapwood_geom::{content, sin_cos};
 
 /// A right-handed orthonormal frame in tree space, in metres; local z runs along the stem.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,7 +30,7 @@ impl Frame {
 
     /// Turned about its own x axis by `angle`: z moves toward -y.
     pub fn turned_x(self, angle: f32) -> Self {
-        let (sin, cos) = libm::sincosf(angle);
+        let (sin, cos) = sin_cos(angle);
         let Mat3 { x_axis, y_axis, z_axis } = self.axes;
         let axes =
             Mat3::from_cols(x_axis, cos * y_axis + sin * z_axis, cos * z_axis - sin * y_axis);
@@ -39,7 +39,7 @@ impl Frame {
 
     /// Turned about its own y axis by `angle`: z moves toward x.
     pub fn turned_y(self, angle: f32) -> Self {
-        let (sin, cos) = libm::sincosf(angle);
+        let (sin, cos) = sin_cos(angle);
         let Mat3 { x_axis, y_axis, z_axis } = self.axes;
         let axes =
             Mat3::from_cols(cos * x_axis - sin * z_axis, y_axis, cos * z_axis + sin * x_axis);
@@ -48,7 +48,7 @@ impl Frame {
 
     /// Turned about its own z axis by `angle`: x moves toward y.
     pub fn turned_z(self, angle: f32) -> Self {
-        let (sin, cos) = libm::sincosf(angle);
+        let (sin, cos) = sin_cos(angle);
         let Mat3 { x_axis, y_axis, z_axis } = self.axes;
         let axes =
             Mat3::from_cols(cos * x_axis + sin * y_axis, cos * y_axis - sin * x_axis, z_axis);
@@ -57,8 +57,8 @@ impl Frame {
 
     /// Its z axis tilted by `angle` toward the local direction at `bearing` from x to y.
     pub fn tilted(self, angle: f32, bearing: f32) -> Self {
-        let (sin_b, cos_b) = libm::sincosf(bearing);
-        let (sin, cos) = libm::sincosf(angle);
+        let (sin_b, cos_b) = sin_cos(bearing);
+        let (sin, cos) = sin_cos(angle);
         let Mat3 { x_axis, y_axis, z_axis } = self.axes;
         // The part of x and y along the bearing turns with z, the part across it stays.
         let toward = cos_b * x_axis + sin_b * y_axis;
@@ -74,7 +74,7 @@ impl Frame {
 
     /// Turned by `angle` about an axis of unit length in tree space, through its own origin.
     pub fn turned_about(self, axis: Vec3, angle: f32) -> Self {
-        let (sin, cos) = libm::sincosf(angle);
+        let (sin, cos) = sin_cos(angle);
         let turn = |v: Vec3| cos * v + sin * axis.cross(v) + (1.0 - cos) * axis.dot(v) * axis;
         let Mat3 { x_axis, y_axis, z_axis } = self.axes;
         Self { axes: Mat3::from_cols(turn(x_axis), turn(y_axis), turn(z_axis)), ..self }
@@ -82,7 +82,7 @@ impl Frame {
 
     /// Turned by `angle` about an axis parallel to the tree's z, through its own origin.
     pub fn turned_about_tree_z(self, angle: f32) -> Self {
-        let (sin, cos) = libm::sincosf(angle);
+        let (sin, cos) = sin_cos(angle);
         let turn = |v: Vec3| Vec3::new(cos * v.x - sin * v.y, sin * v.x + cos * v.y, v.z);
         let Mat3 { x_axis, y_axis, z_axis } = self.axes;
         Self { axes: Mat3::from_cols(turn(x_axis), turn(y_axis), turn(z_axis)), ..self }

@@ -3,7 +3,7 @@
 use std::f32::consts::TAU;
 
 use glam::Vec3;
-use sapwood_geom::Purpose;
+use sapwood_geom::{Purpose, atan2};
 
 use super::attraction::turned_toward;
 use super::frame::Frame;
@@ -23,7 +23,7 @@ pub fn leaves<E>(
     target: &LeafTarget,
     charge: &mut impl FnMut(usize) -> Result<(), E>,
 ) -> Result<Vec<Leaf>, E> {
-    let mut leaves = Vec::new();
+    let mut leaves = Vec::with_capacity(likely_number(stems, crown, params));
     let mut turns = Turns::new(stems);
     let tree_gen = crown.dialect == Dialect::TreeGen;
     let grouping = Grouping::new(params.grouping, 1.0);
@@ -88,6 +88,18 @@ pub(crate) fn relative_size(scale_tree: f32, crown: &Crown) -> f32 {
     }
 }
 
+/// About how many leaves there will be; few enough that nobody need be told before memory is
+/// taken for them.
+fn likely_number(stems: &Stems, crown: &Crown, params: &LeafParams) -> usize {
+    let Some(first) = stems.stems.first() else { return 0 };
+    let each = if params.count < 0 {
+        params.count.unsigned_abs() as f32
+    } else {
+        n_leaves(first, crown, params) + 0.5
+    };
+    ((each * stems.stems.len() as f32) as usize).min(1 << 14)
+}
+
 /// How many leaves a stem carries if it never splits; no whole number.
 ///
 /// In tree-gen's dialect there are more on larger trees, and on stems that are longer than others
@@ -142,7 +154,7 @@ fn bent(frame: Frame, b: f32) -> Frame {
     }
     let (p, n) = (frame.origin, frame.axes.y_axis);
     // The angle from n to p about tree z, in (-180, 180] degrees.
-    let theta = libm::atan2f(n.x * p.y - n.y * p.x, n.x * p.x + n.y * p.y);
+    let theta = atan2(n.x * p.y - n.y * p.x, n.x * p.x + n.y * p.y);
     let frame = if theta != 0.0 { frame.turned_about_tree_z(b * theta) } else { frame };
     turned_toward(frame, frame.axes.y_axis, Vec3::Z, |phi| b * phi)
 }

@@ -8,7 +8,7 @@ use std::f32::consts::TAU;
 use std::ops::Range;
 
 use glam::Vec3;
-use sapwood_geom::{StreamPath, content};
+use sapwood_geom::{StreamPath, content, sin_cos};
 
 use super::frame::Frame;
 use super::taper::taper_radius;
@@ -190,7 +190,7 @@ impl Stems {
         if radius == 0.0 {
             return segment.frame.origin + along * segment.frame.axes.z_axis;
         }
-        let (sin, cos) = libm::sincosf(TAU * along / segment.length);
+        let (sin, cos) = sin_cos(TAU * along / segment.length);
         segment.frame.point(Vec3::new(radius * cos - radius, radius * sin, along))
     }
 
@@ -202,7 +202,7 @@ impl Stems {
             return segment.frame.axes.z_axis;
         }
         let turn = TAU / segment.length;
-        let (sin, cos) = libm::sincosf(turn * (offset - segment.offset));
+        let (sin, cos) = sin_cos(turn * (offset - segment.offset));
         let speed = radius * turn;
         (segment.frame.axes * Vec3::new(-speed * sin, speed * cos, 1.0)).normalize()
     }

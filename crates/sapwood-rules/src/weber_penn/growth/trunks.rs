@@ -4,7 +4,7 @@
 use std::f32::consts::{FRAC_PI_2, TAU};
 
 use glam::Vec3;
-use sapwood_geom::{Purpose, StreamPath};
+use sapwood_geom::{Purpose, StreamPath, sin_cos};
 
 use super::children::{SHORTEST, THINNEST};
 use super::frame::Frame;
@@ -42,7 +42,7 @@ pub fn trunks<E>(
         let (origin, outward) = if count > 1 {
             let radius = level.branch_dist * places.between(0.0, 1.0).sqrt();
             let bearing = places.between(0.0, TAU);
-            let (sin, cos) = libm::sincosf(bearing);
+            let (sin, cos) = sin_cos(bearing);
             // Positive angles about x lead toward -y, a quarter turn behind x.
             (Vec3::new(radius * cos, radius * sin, 0.0), bearing + FRAC_PI_2)
         } else {
