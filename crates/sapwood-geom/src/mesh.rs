@@ -70,6 +70,24 @@ impl Mesh {
     /// agree, indices come in threes and are in range, and everything is finite.
     pub fn unsound(&self) -> Option<String> {
         let n = self.positions.len();
+        // Nearly every mesh is sound, which one look at everything finds out; only then is it
+        // asked where the fault lies.
+        let highest = self.indices.iter().fold(0, |highest: u32, index| highest.max(*index));
+        let are_finite = |vectors: &[Vec3]| {
+            // What is not finite leaves no zero when it is multiplied with zero.
+            let sum = vectors.iter().fold(Vec3::ZERO, |sum, v| sum + *v * 0.0);
+            sum == Vec3::ZERO
+        };
+        if self.normals.len() == n
+            && self.uvs.len() == n
+            && self.indices.len().is_multiple_of(3)
+            && (self.indices.is_empty() || (highest as usize) < n)
+            && are_finite(&self.positions)
+            && are_finite(&self.normals)
+            && self.uvs.iter().fold(Vec2::ZERO, |sum, uv| sum + *uv * 0.0) == Vec2::ZERO
+        {
+            return None;
+        }
         if self.normals.len() != n || self.uvs.len() != n {
             return Some(format!(
                 "{n} positions, {} normals, {} texture coordinates",

@@ -1,6 +1,9 @@
 //! Cross-sections of a swept tube: the points around a ring, worked out once and used for every
 //! ring of every stem that has as many sides.
 
+use std::borrow::Cow;
+use std::sync::OnceLock;
+
 use glam::Vec2;
 
 /// The outline of a tube: a regular polygon, or a polygon around a lobed circle.
@@ -30,6 +33,15 @@ impl Section {
     /// A regular polygon of `sides` sides (at least 3) about a circle of the ring's radius.
     pub fn round(sides: u32) -> Self {
         Self::lobed(sides, 0, 0.0)
+    }
+
+    /// As [`round`](Self::round); those of few sides are worked out once and kept.
+    pub fn known_round(sides: u32) -> Cow<'static, Self> {
+        static KNOWN: [OnceLock<Section>; 64] = [const { OnceLock::new() }; 64];
+        match KNOWN.get(sides as usize) {
+            Some(known) => Cow::Borrowed(known.get_or_init(|| Self::round(sides))),
+            None => Cow::Owned(Self::round(sides)),
+        }
     }
 
     /// A polygon of `sides` sides whose distance from the middle is the ring's radius times

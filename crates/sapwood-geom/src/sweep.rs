@@ -155,6 +155,12 @@ const BLUR: f32 = 2e-6;
 const DOME: [(f32, f32); 2] = [(0.5, 0.866_025_4), (0.866_025_4, 0.5)];
 
 impl Sweep {
+    /// Working memory for tubes of so many rings; for longer ones it grows.
+    pub fn with_room(n_rings: usize) -> Self {
+        let (laid, rows) = (Vec::with_capacity(n_rings), Vec::with_capacity(n_rings));
+        Self { laid, rows, ..Self::default() }
+    }
+
     /// Lays a tube through `rings` and returns the number of triangles it has for `section`.
     ///
     /// Rings turn from one to the next without twist, first toward the stretch between them, then

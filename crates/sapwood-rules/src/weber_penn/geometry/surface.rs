@@ -1,6 +1,8 @@
 //! The surface of grown stems: where rings stand, how many sides they have, and how the tubes of
 //! clones continue the one they split from. Sweeping rings into triangles is geometry's work.
 
+use std::borrow::Cow;
+
 use glam::Vec3;
 use sapwood_geom::{Around, Cap, Mesh, Ring, Section, Sweep, SweepOptions, SweepStart, content};
 
@@ -141,7 +143,7 @@ struct Tubes<'a> {
     form: &'a TrunkForm,
     detail: &'a Detail,
     bark_width: f32,
-    sections: Vec<(SectionKey, Section)>,
+    sections: Vec<(SectionKey, Cow<'static, Section>)>,
     /// The section of the tube last laid.
     section: usize,
     sweep: Sweep,
@@ -158,6 +160,9 @@ impl<'a> Tubes<'a> {
     fn new(stems: &'a Stems, form: &'a TrunkForm, detail: &'a Detail, bark_width: f32) -> Self {
         let has_clones = stems.stems.iter().any(|stem| stem.clone_of.is_some());
         let n_joints = if has_clones { stems.segments.len() } else { 0 };
+        // The foot, the ends of all segments, and some more on a trunk.
+        let n_rings = stems.stems.iter().map(|stem| stem.n_segments as usize + 2).max();
+        let n_rings = n_rings.unwrap_or(0).min(1024);
         Self {
             stems,
             form,
@@ -165,9 +170,9 @@ impl<'a> Tubes<'a> {
             bark_width: bark_width.max(1e-6),
             sections: Vec::new(),
             section: 0,
-            sweep: Sweep::default(),
-            rings: Vec::new(),
-            ends: Vec::new(),
+            sweep: Sweep::with_room(n_rings),
+            rings: Vec::with_capacity(n_rings),
+            ends: Vec::with_capacity(n_rings),
             between: Vec::new(),
             joints: vec![None; n_joints],
         }
@@ -176,14 +181,17 @@ impl<'a> Tubes<'a> {
     /// Makes room for stems that have rings at their segment ends only; within limits, for
     /// nothing has been charged yet.
     fn reserve(&self, mesh: &mut Mesh) {
-        let (mut n_vertices, mut n_indices) = (0, 0);
+        let (mut n_vertices, mut n_indices, mut widest) = (0, 0, 0);
         for stem in &self.stems.stems {
             let key = self.detail.section(stem.seed.level, stem.seed.radius, self.form);
-            let (rings, sides) = (stem.n_segments as usize + 1, key.sides as usize);
-            n_vertices += rings * (sides + 1);
-            n_indices += (rings - 1) * sides * 6;
+            let (segments, sides) = (stem.n_segments as usize, key.sides as usize);
+            // One more ring for the disc at the tip.
+            n_vertices += (segments + 2) * (sides + 1);
+            n_indices += (2 * segments + 1) * sides * 3;
+            widest = widest.max(sides);
         }
-        let n_vertices = n_vertices.min(1 << 20);
+        // What a sweep makes room for before it writes one tube.
+        let n_vertices = (n_vertices + 2 * (widest + 1)).min(1 << 20);
         mesh.positions.reserve(n_vertices);
         mesh.normals.reserve(n_vertices);
         mesh.uvs.reserve(n_vertices);
@@ -229,9 +237,12 @@ impl<'a> Tubes<'a> {
         if let Some(place) = self.sections.iter().position(|(known, _)| *known == key) {
             return place;
         }
-        let (lobes, depth) =
-            if key.lobed { (self.form.lobes, self.form.lobe_depth) } else { (0, 0.0) };
-        self.sections.push((key, Section::lobed(key.sides, lobes, depth)));
+        let section = if key.lobed {
+            Cow::Owned(Section::lobed(key.sides, self.form.lobes, self.form.lobe_depth))
+        } else {
+            Section::known_round(key.sides)
+        };
+        self.sections.push((key, section));
         self.sections.len() - 1
     }
 

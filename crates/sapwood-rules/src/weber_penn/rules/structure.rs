@@ -242,7 +242,17 @@ impl Rule for ChildrenRule {
                 cx.emit(Branch { seed });
             }
         } else {
-            cx.emit(Twigs { seeds: Shared::new(seeds) });
+            let seeds = match form {
+                // The seeds follow from these alone, so there is no need to read them all.
+                None => {
+                    let mut digester = Digester::new();
+                    digester.add(Twigs::NAME).add(stems).add(&*crown).add(&*level);
+                    Shared::with_digest(digester.finish(), seeds)
+                }
+                // A trunk's form seldom changes what grows on it.
+                Some(_) => Shared::new(seeds),
+            };
+            cx.emit(Twigs { seeds });
         }
         Ok(())
     }
