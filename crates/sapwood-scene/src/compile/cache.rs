@@ -32,7 +32,7 @@ pub(crate) enum Target {
 /// The rule number of plans that no rule made.
 pub(crate) const NO_RULE: u32 = u32::MAX;
 
-/// What a rule's `init` made. Immutable but for `revision` and `slot_sets`.
+/// What a rule's `init` made. Immutable but for `revision`, `has_sites` and `slot_sets`.
 pub(crate) struct Plan {
     pub(crate) target: Target,
     pub(crate) rule: u32,
@@ -52,6 +52,8 @@ pub(crate) struct Plan {
     pub(crate) error: Option<Box<Diagnostic>>,
     /// The plans whose data it was made of; they live as long as it does.
     pub(crate) ingredients: Option<Box<Ingredients>>,
+    /// Whether the plan ever had a site.
+    pub(crate) has_sites: bool,
     /// The sets of slots by which sites of this plan are found.
     pub(crate) slot_sets: SmallVec<[Arc<[SlotKey]>; 1]>,
 }
@@ -76,6 +78,8 @@ pub(crate) struct Site {
     pub(crate) key: Vec<(SlotKey, Digest)>,
     /// Grows whenever the key does, or shrinks.
     pub(crate) key_number: u32,
+    /// Which of its keys the site was made findable by last.
+    pub(crate) enlisted_key: Option<u32>,
     /// The hashes under which the site is indexed.
     pub(crate) indices: SmallVec<[u64; 2]>,
     pub(crate) links: SmallVec<[Link; 1]>,
@@ -284,6 +288,7 @@ impl Cache {
             data: None,
             error: None,
             ingredients: None,
+            has_sites: true,
             slot_sets: SmallVec::new(),
         });
         SiteId(self.sites.insert(Site {
@@ -291,6 +296,7 @@ impl Cache {
             view,
             key: Vec::new(),
             key_number: 0,
+            enlisted_key: None,
             indices: SmallVec::new(),
             links: smallvec::smallvec![Link::Unfilled],
             verified: 0,

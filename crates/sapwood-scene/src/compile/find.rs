@@ -6,6 +6,7 @@
 
 use sapwood_graph::{EnvId, Interrupted, SiteId};
 
+use super::batch::Ahead;
 use super::cache::{Cache, Plan, Target};
 use super::pull::Pull;
 use super::pushes::Pushes;
@@ -14,24 +15,26 @@ use crate::rules::Memories;
 use crate::slots::SlotReader;
 
 impl Pull<'_> {
-    /// The plan of a component in an environment: found, or made.
+    /// The plan of a component in an environment: found, or made, of what its `init` came to
+    /// `ahead` of its turn if it ran already.
     pub(super) fn plan_for(
         &mut self,
         target: Target,
         rule: u32,
         env: EnvId,
         previous: Option<SiteId>,
+        ahead: Option<Ahead>,
     ) -> Result<u32, Interrupted> {
         let memories = self.memories(target, rule, previous);
-        let revision = match target {
-            Target::Authored(node) => self.graph.node(node).map_or(0, |node| node.edited),
-            Target::View(_) | Target::Emitted(_) => 0,
-        };
-        if let Some(plan) = self.find(target, rule, revision, env, &memories) {
+        let revision = self.revision_of(target);
+        let ahead = ahead.and_then(|ahead| ahead.outcome_for(target, rule, env, previous));
+        if ahead.is_none()
+            && let Some(plan) = self.find(target, rule, revision, env, &memories)
+        {
             self.note_reused(plan, env)?;
             return Ok(plan);
         }
-        let new = self.make(target, rule, revision, env, &memories)?;
+        let new = self.make(target, rule, revision, env, &memories, ahead)?;
         let kept = self.equal_outdated(target, rule, new).unwrap_or(new);
         if kept != new {
             self.cache.remove_plan(new);
@@ -39,6 +42,14 @@ impl Pull<'_> {
         }
         self.enlist(target, rule, kept);
         Ok(kept)
+    }
+
+    /// The edit that plans of a component must answer to.
+    pub(super) fn revision_of(&self, target: Target) -> u64 {
+        match target {
+            Target::Authored(node) => self.graph.node(node).map_or(0, |node| node.edited),
+            Target::View(_) | Target::Emitted(_) => 0,
+        }
     }
 
     /// Notes that a plan answers to a place, and distrusts it in check mode.
@@ -50,7 +61,7 @@ impl Pull<'_> {
     }
 
     /// What projections remember of the plan that stood at a place before.
-    fn memories(&self, target: Target, rule: u32, previous: Option<SiteId>) -> Memories {
+    pub(super) fn memories(&self, target: Target, rule: u32, previous: Option<SiteId>) -> Memories {
         let Some(previous) = previous else { return Memories::default() };
         let plan = self.cache.plan_of(previous);
         let is_same = plan.target == target && plan.rule == rule;
@@ -58,7 +69,7 @@ impl Pull<'_> {
     }
 
     /// The plan whose reads give the same values in `env`.
-    fn find(
+    pub(super) fn find(
         &mut self,
         target: Target,
         rule: u32,
@@ -73,11 +84,9 @@ impl Pull<'_> {
             group.revision = revision;
             return None;
         }
-        let Self { cache, view, environments, .. } = self;
-        let environments = environments.get_mut().unwrap_or_else(|broken| broken.into_inner());
-        let pushes = Pushes { cache, view };
-        cache
-            .groups
+        let pushes = Pushes { cache: self.cache, view: self.view };
+        let (groups, environments) = (&self.cache.groups, &self.environments);
+        groups
             .get(&(target, rule))?
             .find(|key| key.read_again(&mut SlotReader::new(&pushes, environments, env), memories))
     }

@@ -9,7 +9,7 @@ use sapwood_geom::Digest;
 use sapwood_graph::{EnvId, Interrupted, Kind};
 
 use super::cache::{Cache, Plan, Target};
-use super::init::{Outcome, Unfinished};
+use super::init::{Outcome, Run, Unfinished};
 use super::pull::Pull;
 use crate::log::Action;
 use crate::rules::{
@@ -40,7 +40,8 @@ struct Pending {
 }
 
 impl Pull<'_> {
-    /// Compiles a component, its ingredients first, and publishes the plan.
+    /// Compiles a component, its ingredients first, and publishes the plan. Its `init` may have
+    /// run ahead already.
     pub(super) fn make(
         &mut self,
         target: Target,
@@ -48,10 +49,11 @@ impl Pull<'_> {
         revision: u64,
         env: EnvId,
         memories: &Memories,
+        ahead: Option<Run>,
     ) -> Result<u32, Interrupted> {
         self.note_compiled(target, rule);
         let mut made = Vec::new();
-        let draft = self.draft(target, rule, env, memories, Allowance::Budget, &mut made);
+        let draft = self.draft(target, rule, env, memories, Allowance::Budget, &mut made, ahead);
         let outcome = draft.and_then(|draft| self.publish(target, rule, revision, draft));
         if let Err(Interrupted::Exhausted { .. }) = outcome {
             // They would be thrown away and made again for as long as that seems to make room.
@@ -61,7 +63,9 @@ impl Pull<'_> {
     }
 
     /// What the rule makes of a component. Ingredients that are not there yet are published on
-    /// the way, and added to `made`.
+    /// the way, and added to `made`. What its `init` came to `ahead` counts where the budget, as
+    /// it is by now, would have allowed it.
+    #[expect(clippy::too_many_arguments, reason = "all of it is needed to begin again")]
     pub(super) fn draft(
         &mut self,
         target: Target,
@@ -70,8 +74,13 @@ impl Pull<'_> {
         memories: &Memories,
         allowance: Allowance,
         made: &mut Vec<u32>,
+        ahead: Option<Run>,
     ) -> Result<Draft, Interrupted> {
-        let mut outcome = match self.begin(target, rule, env, memories, &[], allowance)? {
+        let first = match ahead.filter(|run| self.limits().allow(run.triangles, run.n_parts)) {
+            Some(run) => run.outcome,
+            None => self.begin(target, rule, env, memories, &[], allowance)?,
+        };
+        let mut outcome = match first {
             Outcome::Made(draft) if draft.tables.ingredients.list.is_empty() => return Ok(draft),
             outcome => outcome,
         };
@@ -125,7 +134,7 @@ impl Pull<'_> {
     }
 
     fn begin(
-        &mut self,
+        &self,
         target: Target,
         rule: u32,
         env: EnvId,
@@ -137,7 +146,7 @@ impl Pull<'_> {
             Allowance::Budget => self.limits(),
             Allowance::Anything => self.limits().without_budget(),
         };
-        self.init(target, rule, env, memories, known, &limits)
+        Ok(self.init(target, rule, env, memories, known, &limits)?.outcome)
     }
 
     fn note_compiled(&mut self, target: Target, rule: u32) {

@@ -36,18 +36,18 @@ impl Pull<'_> {
     /// others that are there. A failure or a panic becomes the draft of an error plan; an
     /// interruption becomes nothing.
     pub(super) fn init(
-        &mut self,
+        &self,
         target: Target,
         rule: u32,
         env: EnvId,
         memories: &Memories,
         known: &[Ingredient],
         limits: &Limits,
-    ) -> Result<Outcome, Interrupted> {
+    ) -> Result<Run, Interrupted> {
         limits.check_cancelled()?;
         let identity = self.cache.rules[rule as usize].identity;
-        let Self { graph, cache, view, environments, .. } = self;
-        let environments = environments.get_mut().unwrap_or_else(|broken| broken.into_inner());
+        let (graph, environments) = (self.graph, &self.environments);
+        let (cache, view) = (&*self.cache, &*self.view);
         let (pushes, plans) = (Pushes { cache, view }, PlansOfView { cache, view });
         let node = match target {
             Target::Authored(node) => Some(node),
@@ -65,29 +65,31 @@ impl Pull<'_> {
         };
         let component = match component {
             Ok(component) => component,
-            Err(message) => return Ok(Outcome::Made(cx.into_error(message))),
+            Err(message) => return Ok(Run::from(Outcome::Made(cx.into_error(message)))),
         };
         let known = &cache.rules[rule as usize].rule;
         let outcome = catch_unwind(AssertUnwindSafe(|| known.init(component, &mut cx)));
         if let Some(why) = cx.interrupted() {
             return Err(why);
         }
-        if let Some(need) = cx.need() {
+        let (triangles, n_parts) = cx.reserved();
+        let outcome = if let Some(need) = cx.need() {
             let (reads, ingredients, slots) = cx.into_unfinished();
-            return Ok(Outcome::Needs(need, Unfinished { reads, ingredients, slots }));
-        }
-        if let Some(why) = cx.refused() {
-            return Ok(Outcome::Made(cx.into_error(why)));
-        }
-        match outcome {
-            Ok(Ok(data)) => Ok(Outcome::Made(cx.into_draft(data))),
-            Ok(Err(RuleError::Interrupted(why))) => Err(why),
-            Ok(Err(RuleError::Failed(message))) => Ok(Outcome::Made(cx.into_error(message))),
-            Err(panic) => {
-                let why = format!("rule {} panicked: {}", identity.name, words_of(&*panic));
-                Ok(Outcome::Made(cx.into_error(why)))
-            }
-        }
+            Outcome::Needs(need, Unfinished { reads, ingredients, slots })
+        } else if let Some(why) = cx.refused() {
+            Outcome::Made(cx.into_error(why))
+        } else {
+            Outcome::Made(match outcome {
+                Ok(Ok(data)) => cx.into_draft(data),
+                Ok(Err(RuleError::Interrupted(why))) => return Err(why),
+                Ok(Err(RuleError::Failed(message))) => cx.into_error(message),
+                Err(panic) => {
+                    let why = format!("rule {} panicked: {}", identity.name, words_of(&*panic));
+                    cx.into_error(why)
+                }
+            })
+        };
+        Ok(Run { outcome, triangles, n_parts })
     }
 
     /// Runs the rules again for a plan that was found and for all that it was made of, and
@@ -118,7 +120,8 @@ impl Pull<'_> {
             let plan = &self.cache.plans[plan];
             (plan.target, plan.rule, plan.revision, Memories::of(&plan.reads))
         };
-        let again = self.draft(target, rule, env, &memories, Allowance::Anything, &mut Vec::new());
+        let allowance = Allowance::Anything;
+        let again = self.draft(target, rule, env, &memories, allowance, &mut Vec::new(), None);
         let again = self.publish_unlimited(target, rule, revision, again?);
         let is_same = {
             let (old, new) = (&self.cache.plans[plan], &self.cache.plans[again]);
@@ -141,7 +144,20 @@ impl Pull<'_> {
     }
 }
 
-/// What comes of running `init`.
+/// What comes of running `init`, and what it reserved on the way.
+pub(super) struct Run {
+    pub(super) outcome: Outcome,
+    pub(super) triangles: u64,
+    pub(super) n_parts: u64,
+}
+
+impl From<Outcome> for Run {
+    fn from(outcome: Outcome) -> Self {
+        Self { outcome, triangles: 0, n_parts: 0 }
+    }
+}
+
+/// What `init` came to.
 #[expect(clippy::large_enum_variant, reason = "the large one is what comes nearly always")]
 pub(super) enum Outcome {
     Made(Draft),

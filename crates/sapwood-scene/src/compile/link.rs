@@ -4,6 +4,7 @@ use sapwood_geom::{Digest, FixedMap, fixed_state};
 use sapwood_graph::{Diagnostic, EnvId, Interrupted, Kind, SiteId, Supplied, Supply, Want};
 use smallvec::SmallVec;
 
+use super::batch::Ahead;
 use super::cache::{Link, NOT_CHECKED, Plan, Site, Target};
 use super::pull::Pull;
 use super::pushes::Pushes;
@@ -16,30 +17,16 @@ impl Pull<'_> {
 
     /// Fills one link, unless it is filled already or its site belongs to another environment
     /// by now.
-    pub(super) fn fill(&mut self, want: Want) -> Result<(), Interrupted> {
+    pub(super) fn fill(&mut self, want: Want, ahead: Option<Ahead>) -> Result<(), Interrupted> {
         let Want { env, site, link } = want;
-        let (_, supplied) = self.enter(env, site, link);
-        let previous = match supplied {
-            Supplied::Ready(_) | Supplied::Failed(_) => return Ok(()),
-            Supplied::Previous(_) | Supplied::Foreseen(_) | Supplied::Unknown => {
-                match &self.cache.sites[site.0].links[link as usize] {
-                    Link::Site(previous, _) => Some(*previous),
-                    Link::Unfilled | Link::Failed(_) => None,
-                }
-            }
-        };
-        if !self.fits(site, env) {
+        let Some(previous) = self.previous(want) else { return Ok(()) };
+        if !self.fits_still(site, env) {
             return Ok(());
         }
         self.cache.sites[site.0].is_closed = false;
         let target = self.cache.plan_of(site).links[link as usize].target;
-        let facts = self.facts(site, link);
-        let child_env = {
-            let Self { cache, view, environments, .. } = self;
-            let environments = environments.get_mut().unwrap_or_else(|e| e.into_inner());
-            environments.enter(&Pushes { cache, view }, env, site, facts)
-        };
-        let child = self.child(target, child_env, previous)?;
+        let child_env = self.behind(want);
+        let child = self.child(target, child_env, previous, ahead)?;
         match child {
             Ok(child) => {
                 self.cache.sites[site.0].links[link as usize] = Link::Site(child, NOT_CHECKED);
@@ -59,6 +46,44 @@ impl Pull<'_> {
         Ok(())
     }
 
+    /// Whether a site's key gives the values that hold in `env`, where it is asked for one link
+    /// of the site after the other.
+    fn fits_still(&mut self, site: SiteId, env: EnvId) -> bool {
+        let asked = (site, env, self.cache.sites[site.0].key_number);
+        if self.fitting != Some(asked) {
+            self.fitting = self.fits(site, env).then_some(asked);
+        }
+        self.fitting.is_some()
+    }
+
+    /// The site that a link which must be filled led to before, if any; nothing where it need
+    /// not be filled.
+    pub(super) fn previous(&self, Want { env, site, link }: Want) -> Option<Option<SiteId>> {
+        match self.enter(env, site, link).1 {
+            Supplied::Ready(_) | Supplied::Failed(_) => None,
+            Supplied::Previous(_) | Supplied::Foreseen(_) | Supplied::Unknown => {
+                match &self.cache.sites[site.0].links[link as usize] {
+                    Link::Site(previous, _) => Some(Some(*previous)),
+                    Link::Unfilled | Link::Failed(_) => Some(None),
+                }
+            }
+        }
+    }
+
+    /// The environment behind a link.
+    pub(super) fn behind(&mut self, Want { env, site, link }: Want) -> EnvId {
+        let facts = self.facts(site, link);
+        let Self { cache, view, environments, .. } = self;
+        let environments = environments.get_mut().unwrap_or_else(|e| e.into_inner());
+        environments.enter(&Pushes { cache, view }, env, site, facts)
+    }
+
+    /// Whether as many emitted components as are allowed lie above a place.
+    pub(super) fn is_too_deep(&mut self, env: EnvId) -> bool {
+        let n_emitted = self.environments().above(env).map_or(0, |above| above.n_emitted);
+        n_emitted > self.view.budget.emitted_depth
+    }
+
     /// Empties links that were about to be filled anew: what they led to may make room.
     pub(super) fn let_go(&mut self, wants: &[Want]) {
         for want in wants {
@@ -76,6 +101,7 @@ impl Pull<'_> {
         target: Target,
         env: EnvId,
         previous: Option<SiteId>,
+        ahead: Option<Ahead>,
     ) -> Result<Result<SiteId, Diagnostic>, Interrupted> {
         self.cache.resolve_kinds(self.view, self.graph);
         let Some(kind) = self.target_kind(target) else {
@@ -87,15 +113,14 @@ impl Pull<'_> {
             let message = format!("the view has no rule for components of kind {kind}");
             return Ok(Err(Diagnostic { kind, message }));
         };
-        let n_emitted = self.environments().above(env).map_or(0, |above| above.n_emitted);
-        if n_emitted > self.view.budget.emitted_depth {
+        if self.is_too_deep(env) {
             let message = format!(
                 "more than {} emitted components lie above each other",
                 self.view.budget.emitted_depth
             );
             return Ok(Err(Diagnostic { kind, message }));
         }
-        let plan = self.plan_for(target, rule, env, previous)?;
+        let plan = self.plan_for(target, rule, env, previous, ahead)?;
         Ok(Ok(self.site_for(plan, env, previous)))
     }
 
@@ -103,14 +128,18 @@ impl Pull<'_> {
     /// known to read below, or made.
     fn site_for(&mut self, plan: u32, env: EnvId, previous: Option<SiteId>) -> SiteId {
         let row = &self.cache.plans[plan];
-        let mut all: SmallVec<[SlotKey; 8]> = SmallVec::new();
+        let mut all: SmallVec<[SlotKey; 16]> = SmallVec::new();
         let mut expect = |slot: SlotKey| {
             if let Err(place) = all.binary_search(&slot) {
                 all.insert(place, slot);
             }
         };
+        if !row.has_sites {
+            all.extend_from_slice(&row.slots);
+            return self.new_site(plan, env, previous, &all);
+        }
         for set in &row.slot_sets {
-            let key = self.digests(env, set.iter().copied());
+            let key: SmallVec<[_; 16]> = self.digests(env, set.iter().copied());
             if let Some(&site) = self.cache.site_index.get(&index_of(plan, self.number, &key)) {
                 let found = &self.cache.sites[site.0];
                 let is_ours = found.plan == plan && found.view == self.number;
@@ -125,8 +154,21 @@ impl Pull<'_> {
             }
             set.iter().copied().for_each(&mut expect);
         }
-        // Everything that was ever read below is likely to be read here too.
-        let key = self.digests(env, all.iter().copied()).into_vec();
+        self.new_site(plan, env, previous, &all)
+    }
+
+    /// A new site of a plan in an environment, whose key holds `slots`: everything that was ever
+    /// read below the plan is likely to be read here too.
+    fn new_site(
+        &mut self,
+        plan: u32,
+        env: EnvId,
+        previous: Option<SiteId>,
+        slots: &[SlotKey],
+    ) -> SiteId {
+        let key: Vec<_> = self.digests(env, slots.iter().copied());
+        self.cache.plans[plan].has_sites = true;
+        let row = &self.cache.plans[plan];
         let links = match previous {
             Some(previous) => self.links_like(row, previous),
             None => row.links.iter().map(|_| Link::Unfilled).collect(),
@@ -142,6 +184,7 @@ impl Pull<'_> {
             view: self.number,
             key,
             key_number: 0,
+            enlisted_key: None,
             indices: SmallVec::new(),
             links,
             verified: 0,
@@ -200,16 +243,11 @@ impl Pull<'_> {
                 return;
             }
             let pushes = Pushes { cache: self.cache, view: self.view };
-            let site = &self.cache.sites[above.site.0];
-            let is_missing =
-                |slot: &SlotKey| site.key.binary_search_by_key(slot, |(slot, _)| *slot).is_err();
-            let slots = self.cache.sites[child.0].key.iter();
-            let lifted = slots.flat_map(|(slot, _)| pushes.lifted(above.site, above.link, *slot));
-            let missing: SmallVec<[SlotKey; 4]> = lifted.filter(is_missing).collect();
+            let missing = pushes.missing(above.site, above.link, child);
             if missing.is_empty() {
                 return;
             }
-            let grown = self.digests(above.env, missing.iter().copied());
+            let grown: SmallVec<[_; 4]> = self.digests(above.env, missing.iter().copied());
             let row = &mut self.cache.sites[above.site.0];
             for (slot, digest) in grown {
                 if let Err(place) = row.key.binary_search_by_key(&slot, |(slot, _)| *slot) {
@@ -238,7 +276,11 @@ impl Pull<'_> {
     ///
     /// A site stays findable by its earlier keys: who finds it compares its key first.
     pub(super) fn enlist_site(&mut self, site: SiteId) {
-        let row = &self.cache.sites[site.0];
+        let row = &mut self.cache.sites[site.0];
+        if row.enlisted_key == Some(row.key_number) {
+            return;
+        }
+        row.enlisted_key = Some(row.key_number);
         let (plan, index) = (row.plan, index_of(row.plan, row.view, &row.key));
         let plan = &mut self.cache.plans[plan];
         if matches!(plan.target, Target::View(_)) || row.indices.contains(&index) {

@@ -46,10 +46,7 @@ impl Pull<'_> {
         let (mut reads, ingredients) = (tables.reads, tables.ingredients);
         // One order for one set, in whatever order the rule happened to ask.
         let digest = |read: &Read| Digest::of(&read.key);
-        reads.sort_by(|a, b| {
-            let names = a.key.name().cmp(b.key.name());
-            names.then_with(|| digest(a).cmp(&digest(b)))
-        });
+        reads.sort_unstable_by(|a, b| a.key.order(&b.key).then_with(|| digest(a).cmp(&digest(b))));
         let column = &mut self.cache.rules[rule as usize].data;
         let data = data.map(|data| column.insert_boxed(data));
         self.cache.triangles += fragment.n_triangles();
@@ -67,6 +64,7 @@ impl Pull<'_> {
             scopes: tables.scopes,
             parts: tables.parts,
             reads: reads.into(),
+            has_sites: false,
             slot_sets: smallvec::smallvec![slots.clone()],
             slots,
             data,

@@ -8,8 +8,6 @@ use sapwood_graph::{
     CountMemo, EnvId, Eye, Interrupted, PlanRef, Provide, SiteId, Supplied, Supply, Want,
 };
 
-use smallvec::SmallVec;
-
 use super::cache::{Cache, Link, Target};
 use super::pushes::Pushes;
 use super::resolve::Standing;
@@ -28,6 +26,8 @@ pub(crate) struct Pull<'a> {
     /// Behind a lock, for walks may enter links from several threads.
     pub(super) environments: Mutex<Environments>,
     eye: Option<Eye>,
+    /// A site, an environment and a number of the site's key that were found to fit last.
+    pub(super) fitting: Option<(SiteId, EnvId, u32)>,
     #[cfg(feature = "planted-faults")]
     pub(super) drops_reads: bool,
 }
@@ -51,6 +51,7 @@ impl<'a> Pull<'a> {
             number,
             environments: Mutex::new(environments),
             eye,
+            fitting: None,
             #[cfg(feature = "planted-faults")]
             drops_reads,
         };
@@ -84,11 +85,11 @@ impl<'a> Pull<'a> {
     }
 
     /// The digests of slots in an environment.
-    pub(super) fn digests(
+    pub(super) fn digests<C: FromIterator<(SlotKey, Digest)>>(
         &self,
         env: EnvId,
         slots: impl Iterator<Item = SlotKey>,
-    ) -> SmallVec<[(SlotKey, Digest); 8]> {
+    ) -> C {
         let mut environments = self.environments.lock().unwrap_or_else(|e| e.into_inner());
         let pushes = Pushes { cache: self.cache, view: self.view };
         slots.map(|slot| (slot, environments.digest(&pushes, env, slot))).collect()
@@ -105,10 +106,7 @@ impl<'a> Pull<'a> {
     /// Whether the site's own key holds whatever slot of the child's key comes from above.
     pub(super) fn covers(&self, site: SiteId, link: u32, child: SiteId) -> bool {
         let pushes = Pushes { cache: self.cache, view: self.view };
-        let key = &self.cache.sites[site.0].key;
-        let is_known = |slot: &SlotKey| key.binary_search_by_key(slot, |(slot, _)| *slot).is_ok();
-        let mut below = self.cache.sites[child.0].key.iter();
-        below.all(|(slot, _)| pushes.lifted(site, link, *slot).iter().all(is_known))
+        pushes.missing(site, link, child).is_empty()
     }
 
     /// Whether a link pushes nothing and the child's key holds nothing but what the site's own
@@ -223,18 +221,11 @@ impl Supply for Pull<'_> {
 
 impl Provide for Pull<'_> {
     fn provide(&mut self, wants: &[Want]) -> Result<(), Interrupted> {
-        for (i, want) in wants.iter().enumerate() {
-            if let Err(why) = self.fill(*want) {
-                if let Interrupted::Exhausted { .. } = why {
-                    self.let_go(&wants[i..]);
-                }
-                return Err(why);
-            }
-        }
-        Ok(())
+        self.fill_all(wants)
     }
 
     fn begin_pass(&mut self) {
+        self.fitting = None;
         let forced = self.view.forced();
         self.environments.get_mut().unwrap_or_else(|e| e.into_inner()).clear(forced);
     }

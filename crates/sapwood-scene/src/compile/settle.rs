@@ -6,6 +6,7 @@
 
 use sapwood_geom::Bound;
 use sapwood_graph::{EnvId, SiteId, Supplied, Supply, fragment_bound};
+use smallvec::SmallVec;
 
 use super::cache::Link;
 use super::cycles::Rings;
@@ -150,25 +151,29 @@ impl Pull<'_> {
         if row.key.is_empty() {
             return;
         }
-        let own = &self.cache.plans[row.plan].slots;
         let pushes = Pushes { cache: self.cache, view: self.view };
-        let is_read = |slot| {
-            own.binary_search(&slot).is_ok()
-                || row.links.iter().enumerate().any(|(link, child)| match child {
-                    Link::Site(child, _) => {
-                        let key = &self.cache.sites[child.0].key;
-                        let lifted = |(below, _): &(SlotKey, _)| {
-                            pushes.lifted(site, link as u32, *below).contains(&slot)
-                        };
-                        key.iter().any(lifted)
-                    }
-                    Link::Unfilled | Link::Failed(_) => false,
-                })
-        };
-        let exact: Vec<_> = row.key.iter().copied().filter(|(slot, _)| is_read(*slot)).collect();
-        if exact.len() < row.key.len() {
-            self.cache.sites[site.0].key = exact;
-            self.cache.sites[site.0].key_number += 1;
+        let mut own = self.cache.plans[row.plan].slots.iter().peekable();
+        let mut unread: SmallVec<[SlotKey; 16]> = SmallVec::new();
+        // Both are sorted.
+        for (slot, _) in &row.key {
+            while own.next_if(|own| *own < slot).is_some() {}
+            if own.peek() != Some(&slot) {
+                unread.push(*slot);
+            }
+        }
+        for (link, child) in row.links.iter().enumerate() {
+            // Most often the first child reads all that its siblings read.
+            if unread.is_empty() {
+                break;
+            }
+            if let Link::Site(child, _) = child {
+                pushes.remove_lifted(site, link as u32, *child, &mut unread);
+            }
+        }
+        if !unread.is_empty() {
+            let row = &mut self.cache.sites[site.0];
+            row.key.retain(|(slot, _)| unread.binary_search(slot).is_err());
+            row.key_number += 1;
         }
         self.enlist_site(site);
     }

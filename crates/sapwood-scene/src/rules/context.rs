@@ -150,7 +150,7 @@ impl<'a> Context<'a> {
             refused: None,
             scope: NO_SCOPE,
             fragment: FragmentBuilder::new(),
-            draft: DraftTables::default(),
+            draft: DraftTables { reads: Vec::with_capacity(8), ..DraftTables::default() },
         }
     }
 
@@ -159,6 +159,11 @@ impl<'a> Context<'a> {
         let DraftTables { reads, ingredients, .. } = self.draft;
         let tables = DraftTables { reads, ingredients, ..DraftTables::default() };
         Draft::error(self.component, message, tables, self.slots.into_slots())
+    }
+
+    /// How many triangles and parts the rule has reserved.
+    pub(crate) fn reserved(&self) -> (u64, u64) {
+        (self.triangles, self.n_parts)
     }
 
     /// The interruption that the rule met, whatever it made of it: its outcome is worth nothing.

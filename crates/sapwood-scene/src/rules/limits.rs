@@ -106,6 +106,11 @@ impl Limits {
         Ok(())
     }
 
+    /// Whether the budget allows so many triangles and parts more.
+    pub(crate) fn allow(&self, triangles: u64, n_parts: u64) -> bool {
+        self.check_triangles(triangles, "").is_ok() && self.check_parts(n_parts, "").is_ok()
+    }
+
     /// Fails when `more` plans would exceed the budget.
     pub(crate) fn check_plans(
         &self,

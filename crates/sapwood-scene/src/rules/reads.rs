@@ -1,5 +1,6 @@
 //! What a rule read: the key under which its plan is found again.
 
+use std::cmp::Ordering;
 use std::fmt;
 use std::sync::Arc;
 
@@ -68,6 +69,18 @@ impl ReadKey {
         match self {
             Self::Slot(slot) | Self::Forced(slot) => slot.name(),
             Self::Projection(projection) => projection.name,
+        }
+    }
+
+    /// An order by name, in a way that is quick to compare.
+    pub(crate) fn order(&self, other: &Self) -> Ordering {
+        match (self, other) {
+            (Self::Slot(a) | Self::Forced(a), Self::Slot(b) | Self::Forced(b)) if a != b => {
+                a.cmp(b)
+            }
+            (Self::Projection(_), Self::Slot(_) | Self::Forced(_)) => Ordering::Less,
+            (Self::Slot(_) | Self::Forced(_), Self::Projection(_)) => Ordering::Greater,
+            (a, b) => a.name().cmp(b.name()),
         }
     }
 

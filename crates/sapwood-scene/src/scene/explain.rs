@@ -193,7 +193,9 @@ fn plan_line(cache: &Cache, number: usize, plan: u32) -> String {
         format!("{how}{} {}", scope.slot.name(), short(scope.value.digest))
     });
     tell_all(&mut line, "pushes", pushes);
-    let reads = plan.reads.iter().map(|read| {
+    let mut by_name: Vec<_> = plan.reads.iter().collect();
+    by_name.sort_by_key(|read| read.key.name());
+    let reads = by_name.into_iter().map(|read| {
         let name = read.key.name();
         match &read.key {
             ReadKey::Forced(_) => format!("{name} (if forced) {}", short(read.value)),

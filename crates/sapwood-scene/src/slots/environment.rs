@@ -218,6 +218,9 @@ impl Environments {
         env: EnvId,
         slot: SlotKey,
     ) -> SlotValue {
+        if let Some(known) = self.known(self.pushed(env, slot), slot) {
+            return known.clone();
+        }
         // Places between here and the nearest known value, with what happens at each.
         let mut passed: smallvec::SmallVec<[(EnvId, Pushed<'_>); 4]> = smallvec::SmallVec::new();
         let mut at = self.pushed(env, slot);

@@ -1,6 +1,6 @@
 //! Reading slots at a place, and noting which were read.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard};
 
 use sapwood_graph::EnvId;
 use smallvec::SmallVec;
@@ -10,7 +10,8 @@ use super::{Environments, Held, LinkPushes, Slot, SlotKey, SlotValue, forced_aga
 /// Reads held slots in one environment.
 pub struct SlotReader<'a> {
     pushes: &'a dyn LinkPushes,
-    environments: &'a mut Environments,
+    /// Behind a lock, for rules run side by side.
+    environments: &'a Mutex<Environments>,
     env: EnvId,
     /// The slots read so far, sorted.
     pub(crate) slots: SmallVec<[SlotKey; 4]>,
@@ -19,7 +20,7 @@ pub struct SlotReader<'a> {
 impl<'a> SlotReader<'a> {
     pub(crate) fn new(
         pushes: &'a dyn LinkPushes,
-        environments: &'a mut Environments,
+        environments: &'a Mutex<Environments>,
         env: EnvId,
     ) -> Self {
         Self { pushes, environments, env, slots: SmallVec::new() }
@@ -49,7 +50,11 @@ impl<'a> SlotReader<'a> {
         if let Err(place) = self.slots.binary_search(&slot) {
             self.slots.insert(place, slot);
         }
-        self.environments.value(self.pushes, self.env, slot)
+        self.known().value(self.pushes, self.env, slot)
+    }
+
+    fn known(&self) -> MutexGuard<'a, Environments> {
+        self.environments.lock().unwrap_or_else(|broken| broken.into_inner())
     }
 
     /// Notes slots as read.
@@ -67,9 +72,9 @@ impl<'a> SlotReader<'a> {
         if let Err(place) = self.slots.binary_search(&forced) {
             self.slots.insert(place, forced);
         }
-        self.environments
-            .is_forced(self.env, slot)
-            .then(|| self.environments.value(self.pushes, self.env, slot))
+        let mut known = self.known();
+        let is_forced = known.is_forced(self.env, slot);
+        is_forced.then(|| known.value(self.pushes, self.env, slot))
     }
 
     /// The slots that were read, as plans keep them.

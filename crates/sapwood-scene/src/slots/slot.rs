@@ -104,13 +104,16 @@ impl SlotValue {
 
 /// A slot, its type forgotten.
 #[derive(Clone, Copy)]
-pub(crate) struct SlotKey(&'static SlotTable);
+pub(crate) struct SlotKey {
+    /// A hash of the name, which tells nearly all slots apart without a look at their tables;
+    /// they are sorted by it, for names take longer to compare.
+    rank: u64,
+    table: &'static SlotTable,
+}
 
 struct SlotTable {
     id: TypeId,
     name: &'static str,
-    /// A hash of the name: slots are sorted by it, for names take longer to compare.
-    rank: u64,
     default: fn() -> SlotValue,
     merge: Option<fn(&SlotValue, &SlotValue) -> SlotValue>,
     combine: Option<fn(&SlotValue, &SlotValue) -> SlotValue>,
@@ -125,7 +128,6 @@ impl<S: Slot> TableOf<S> {
     const TABLE: SlotTable = SlotTable {
         id: TypeId::of::<S>(),
         name: S::NAME,
-        rank: rank(S::NAME),
         default: || SlotValue::new::<S>(S::default()),
         merge: if S::MERGES {
             Some(|inherited, pushed| {
@@ -156,8 +158,6 @@ impl<C: Component> ServingTableOf<C> {
     const TABLE: SlotTable = SlotTable {
         id: TypeId::of::<Self>(),
         name: C::NAME,
-        // Not that of a slot that is called as the kind is.
-        rank: !rank(C::NAME),
         default: || SlotValue::standing_for(Digest::from_bits(0)),
         merge: None,
         combine: None,
@@ -168,60 +168,63 @@ impl<C: Component> ServingTableOf<C> {
 
 impl SlotKey {
     pub(crate) fn of<S: Slot>() -> Self {
-        Self(&TableOf::<S>::TABLE)
+        Self { rank: const { rank(S::NAME) }, table: &TableOf::<S>::TABLE }
     }
 
     /// What stands for the rule that serves components of type `C` in the view: it is read like
     /// a slot by whoever is made of what that rule makes. Nobody pushes it.
     pub(crate) fn serving<C: Component>() -> Self {
-        Self(&ServingTableOf::<C>::TABLE)
+        // Not the rank of a slot that is called as the kind is.
+        Self { rank: const { !rank(C::NAME) }, table: &ServingTableOf::<C>::TABLE }
     }
 
     /// The kind whose rule is meant, where the slot stands for one.
     pub(crate) fn served(self) -> Option<Kind> {
-        self.0.served.map(|kind| kind())
+        self.table.served.map(|kind| kind())
     }
 
     pub(crate) fn name(self) -> &'static str {
-        self.0.name
+        self.table.name
     }
 
     pub(crate) fn type_id(self) -> TypeId {
-        self.0.id
+        self.table.id
     }
 
     pub(crate) fn default(self) -> SlotValue {
-        (self.0.default)()
+        (self.table.default)()
     }
 
     pub(crate) fn merges(self) -> bool {
-        self.0.merge.is_some()
+        self.table.merge.is_some()
     }
 
     pub(crate) fn descends(self) -> bool {
-        self.0.descend.is_some()
+        self.table.descend.is_some()
     }
 
     /// The value below a push.
     pub(crate) fn merge(self, inherited: &SlotValue, pushed: &SlotValue) -> SlotValue {
-        self.0.merge.map_or_else(|| pushed.clone(), |merge| merge(inherited, pushed))
+        self.table.merge.map_or_else(|| pushed.clone(), |merge| merge(inherited, pushed))
     }
 
     /// What two offers of a value sub-graph come to.
     pub(crate) fn combine(self, earlier: &SlotValue, later: &SlotValue) -> SlotValue {
-        let combine = self.0.combine.or(self.0.merge);
+        let combine = self.table.combine.or(self.table.merge);
         combine.map_or_else(|| later.clone(), |combine| combine(earlier, later))
     }
 
     /// The value for the child with this key.
     pub(crate) fn descend(self, value: SlotValue, key: u64) -> SlotValue {
-        self.0.descend.map_or_else(|| value.clone(), |descend| descend(&value, key))
+        self.table.descend.map_or_else(|| value.clone(), |descend| descend(&value, key))
     }
 }
 
 impl PartialEq for SlotKey {
+    #[inline]
     fn eq(&self, other: &Self) -> bool {
-        std::ptr::eq(self.0, other.0) || self.0.id == other.0.id
+        self.rank == other.rank
+            && (std::ptr::eq(self.table, other.table) || self.table.id == other.table.id)
     }
 }
 
@@ -229,15 +232,22 @@ impl Eq for SlotKey {}
 
 impl Hash for SlotKey {
     fn hash<H: Hasher>(&self, state: &mut H) {
-        self.0.id.hash(state);
+        self.rank.hash(state);
     }
 }
 
 /// By name, in an order that is the same in every build, as that of type ids is not.
 impl Ord for SlotKey {
+    #[inline]
     fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        let by_rank = self.0.rank.cmp(&other.0.rank);
-        by_rank.then_with(|| self.name().cmp(other.name())).then_with(|| self.0.id.cmp(&other.0.id))
+        let by_rank = self.rank.cmp(&other.rank);
+        by_rank.then_with(|| {
+            if std::ptr::eq(self.table, other.table) {
+                return std::cmp::Ordering::Equal;
+            }
+            let by_name = self.name().cmp(other.name());
+            by_name.then_with(|| self.table.id.cmp(&other.table.id))
+        })
     }
 }
 
