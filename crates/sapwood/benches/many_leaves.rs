@@ -19,6 +19,7 @@ const N_GEOMETRIES: usize = 16;
 const GROUP: usize = 10;
 
 fn main() {
+    clock::one_thread();
     let mut criterion = Criterion::default()
         .with_measurement(CpuTime)
         .configure_from_args()

@@ -23,6 +23,7 @@ const GROUP: usize = 10;
 const SHARED: usize = 1_000;
 
 fn main() {
+    clock::one_thread();
     let wanted: Vec<String> =
         std::env::args().skip(1).filter(|arg| !arg.starts_with('-')).collect();
     let is_wanted = |name: &str| wanted.is_empty() || wanted.iter().any(|word| word == name);

@@ -17,6 +17,7 @@ use sapwood::scene::{Group, HeldGeometry, NodeId, Scene, Transform, ViewId};
 const N_PICKS: usize = 1000;
 
 fn main() {
+    clock::one_thread();
     let mut criterion = Criterion::default()
         .with_measurement(CpuTime)
         .configure_from_args()

@@ -12,6 +12,7 @@ use sapwood::rules::weber_penn::{LeafParams, LeavesSlot, Seed, Species, Tree};
 use sapwood::scene::{Attribute, Handle, RuleSet, Scene, ViewId};
 
 fn main() {
+    clock::one_thread();
     let mut criterion = Criterion::default()
         .with_measurement(CpuTime)
         .configure_from_args()
