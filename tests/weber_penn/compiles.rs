@@ -118,12 +118,12 @@ fn an_edit_of_level_2_leaves_the_limbs_of_a_deep_tree_alone() {
     tree.set(&with(&tupelo, &[("level.2.curve_v", 90.0)]));
     let compiled = tree.compiled();
     let count = |kind| compiled.iter().find(|(name, _)| *name == kind).map_or(0, |(_, n)| *n);
-    let n_twigs = before.stems[2].len();
-    assert_eq!(count("branch"), n_twigs);
-    assert_eq!((count("tree"), count("twigs")), (0, count("leaves")));
-    // The limbs' own children and those of each branch on them.
-    assert_eq!(count("children"), before.stems[1].len() + n_twigs);
-    assert_eq!(count("stem_surface"), n_twigs + count("twigs"));
+    let n_limbs = count("twigs") / 2;
+    assert_eq!(n_limbs, before.stems[1].iter().filter(|stem| stem.clone_of.is_none()).count());
+    assert_eq!((count("tree"), count("branch")), (0, 0));
+    // On each limb its own children in one batch, and theirs in another, with the leaves.
+    assert_eq!((count("children"), count("leaves")), (2 * n_limbs, n_limbs));
+    assert_eq!(count("stem_surface"), 2 * n_limbs);
     let after = tree.parts();
     assert!(before.stems[..2] == after.stems[..2] && before.segments[..2] == after.segments[..2]);
     assert!(before.segments[2] != after.segments[2] && before.segments[3] != after.segments[3]);

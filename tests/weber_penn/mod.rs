@@ -13,4 +13,5 @@ mod snapshots;
 mod species;
 mod styles;
 mod targets;
+mod threads;
 mod trees;

@@ -2,8 +2,9 @@
 //!
 //! [`Tree`] is what users place. It is compiled into one [`Branch`] for each trunk; a branch
 //! emits its [`StemSurface`] and [`Children`], or its [`Leaves`] where it is of the last level.
-//! Children are branches again, or, on the last level, one batch of [`Twigs`] with its surface
-//! and leaves. Stems, segments and leaves are parts of these. Everything below the tree
+//! Children of a trunk are branches again, unless they are of the last level. All others come in
+//! batches of [`Twigs`], one for each branch and level, with their surface and their own children
+//! or leaves. Stems, segments and leaves are parts of these. Everything below the tree
 //! is in tree space: z up, metres.
 
 use sapwood_geom::{Content, Digester, Shared, content};
@@ -85,7 +86,7 @@ impl Named for Children {
 
 impl Component for Children {}
 
-/// The stems of the last level on one branch, in one batch.
+/// The stems of one level on one branch, in one batch.
 #[derive(Clone, Debug)]
 pub struct Twigs {
     /// What the stems grow from.

@@ -117,12 +117,14 @@ impl Pull<'_> {
 
     /// Runs those again that lacked an ingredient, or forgets what they came to.
     fn run_again(&self, all: &mut [Option<Ahead>], is_worth_it: bool) {
-        let mut lacking =
-            all.iter_mut().filter(|ahead| ahead.as_ref().is_some_and(Ahead::is_lacking));
         if is_worth_it {
             self.run_all(all, Ahead::is_lacking);
-        } else {
-            lacking.by_ref().for_each(|ahead| *ahead = None);
+            return;
+        }
+        for ahead in all {
+            if ahead.as_ref().is_some_and(Ahead::is_lacking) {
+                *ahead = None;
+            }
         }
     }
 

@@ -207,18 +207,17 @@ impl Rule for BranchRule {
         let stems = grown(cx, std::slice::from_ref(&branch.seed), Digest::of(branch))?;
         if !stems.stems.is_empty() {
             cx.emit(StemSurface { stems: stems.clone() });
-            let crown = cx.read::<CrownSlot>();
-            if u32::from(branch.seed.level) + 1 < crown.levels {
-                cx.emit(Children { stems: stems.clone() });
-            } else {
-                cx.emit(Leaves { stems: stems.clone() });
-            }
+            emit_growth(&stems, cx);
         }
         Ok(stems)
     }
 }
 
-/// Compiles what grows on stems into branches, or twigs on the last level.
+/// The first level whose stems are compiled in batches, all of a branch together: a component
+/// for each would cost more than the stem itself.
+const FIRST_IN_BATCHES: usize = 2;
+
+/// Compiles what grows on stems into branches, or into twigs beyond those and on the last level.
 pub(super) struct ChildrenRule;
 
 impl Rule for ChildrenRule {
@@ -237,7 +236,7 @@ impl Rule for ChildrenRule {
         if seeds.is_empty() {
             return Ok(());
         }
-        if n as u32 + 1 < crown.levels {
+        if n < FIRST_IN_BATCHES && n as u32 + 1 < crown.levels {
             for seed in seeds {
                 cx.emit(Branch { seed });
             }
@@ -258,7 +257,7 @@ impl Rule for ChildrenRule {
     }
 }
 
-/// Compiles the stems of the last level.
+/// Compiles the stems of one level on one branch, and what grows on them.
 pub(super) struct TwigsRule;
 
 impl Rule for TwigsRule {
@@ -270,9 +269,20 @@ impl Rule for TwigsRule {
         let stems = grown(cx, &twigs.seeds, Digest::of(twigs))?;
         if !stems.stems.is_empty() {
             cx.emit(StemSurface { stems: stems.clone() });
-            cx.emit(Leaves { stems: stems.clone() });
+            emit_growth(&stems, cx);
         }
         Ok(stems)
+    }
+}
+
+/// Emits what grows on stems: the next level, or leaves on the last.
+fn emit_growth(stems: &Shared<Stems>, cx: &mut Context<'_>) {
+    let Some(first) = stems.stems.first() else { return };
+    let crown = cx.read::<CrownSlot>();
+    if u32::from(first.seed.level) + 1 < crown.levels {
+        cx.emit(Children { stems: stems.clone() });
+    } else {
+        cx.emit(Leaves { stems: stems.clone() });
     }
 }
 
