@@ -43,19 +43,20 @@ fn main() {
     }
     let is_wanted = |name: &str| wanted.is_empty() || wanted.iter().any(|word| word == name);
     if is_wanted("growth") {
-        pool(1).install(|| ["quaking_aspen", "black_tupelo", "weeping_willow"].map(growth));
+        let names = ["quaking_aspen", "black_tupelo", "weeping_willow"];
+        pool(1).install(|| names.into_iter().for_each(growth));
     }
     if is_wanted("cores") {
-        ["quaking_aspen", "black_tupelo"].map(cores);
+        ["quaking_aspen", "black_tupelo"].into_iter().for_each(cores);
     }
     if is_wanted("forest") {
         pool(1).install(forest);
     }
     if is_wanted("file") {
-        pool(1).install(|| ["quaking_aspen", "black_tupelo"].map(file));
+        pool(1).install(|| ["quaking_aspen", "black_tupelo"].into_iter().for_each(file));
     }
     if is_wanted("memory") {
-        ["quaking_aspen", "black_tupelo", "weeping_willow"].map(memory);
+        ["quaking_aspen", "black_tupelo", "weeping_willow"].into_iter().for_each(memory);
     }
 }
 
