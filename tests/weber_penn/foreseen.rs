@@ -73,9 +73,11 @@ fn ratios(species: &Species, name: &str) -> [f32; 2] {
 #[test]
 fn every_species_lies_inside_what_is_foreseen() {
     for (name, species) in all() {
-        // Sizes that vary much make trees much smaller than what is foreseen of all of them.
+        // Sizes that vary much make trees much smaller than what is foreseen of all of them, and
+        // so do envelopes, of which the bound knows nothing.
         let [least, _] = ratios(&species, name);
-        assert!(least < 2.5, "{name}: {least} times as wide");
+        let widest = if species.pruning.ratio > 0.0 { 3.0 } else { 2.5 };
+        assert!(least < widest, "{name}: {least} times as wide");
     }
     let Some(folder) = std::env::var_os("SAPWOOD_ARBARO_DIR").filter(|name| !name.is_empty())
     else {
