@@ -15,3 +15,4 @@ mod styles;
 mod targets;
 mod threads;
 mod trees;
+mod welding;

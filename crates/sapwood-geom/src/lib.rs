@@ -26,6 +26,7 @@ mod stream;
 mod sweep;
 mod triangle_pack;
 mod trig;
+mod weld;
 
 pub use bounds::{Aabb, Bound, Sphere};
 pub use box_tree::BoxTree;
@@ -42,9 +43,12 @@ pub use section::Section;
 #[cfg(feature = "simplify")]
 pub use simplify::Simplify;
 pub use stream::{Purpose, Stream, StreamPath};
-pub use sweep::{Around, Cap, Ring, Sweep, SweepOptions, SweepStart};
+pub use sweep::{
+    Around, Cap, Fork, Forking, Ring, RingPlane, Sweep, SweepOptions, SweepStart, Swept,
+};
 pub use triangle_pack::TrianglePack;
 pub use trig::{atan2, sin_cos};
+pub use weld::{Pieces, Rim, VertexIdentity};
 
 /// The maths library in the version that Sapwood is built with.
 pub use glam;

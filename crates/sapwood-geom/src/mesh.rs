@@ -141,6 +141,25 @@ impl Mesh {
         doubled_area <= 1e-6 * longest * longest
     }
 
+    /// Gives triangles, from index `first` on, a vertex with their own normal where a corner's is
+    /// more than 90 degrees off it.
+    pub(crate) fn keep_own_normals(&mut self, first: usize) {
+        for first in (first..self.indices.len()).step_by(3) {
+            let corners = [0, 1, 2].map(|i| self.indices[first + i] as usize);
+            let [p, q, r] = corners.map(|i| self.positions[i]);
+            let Some(face) = (q - p).cross(r - p).try_normalize() else { continue };
+            for (i, corner) in corners.into_iter().enumerate() {
+                // A little more than nothing, for the sign to be sure.
+                if self.normals[corner].dot(face) <= 1e-4 {
+                    self.indices[first + i] = self.positions.len() as u32;
+                    self.positions.push(self.positions[corner]);
+                    self.uvs.push(self.uvs[corner]);
+                    self.normals.push(face);
+                }
+            }
+        }
+    }
+
     /// How many edges bound one triangle only. Corners with equal positions count as one, so
     /// that seams of texture coordinates and of normals are no borders. Not a fault in itself:
     /// leaves are open. The mesh must be sound.

@@ -3,12 +3,18 @@
 //!
 //! What the curve is and how thick it is where, the caller decides; here rings become triangles.
 
+mod fork;
+mod forked;
+mod piece;
 #[cfg(test)]
 mod tests;
 mod write;
 
 use glam::{Vec2, Vec3};
 
+pub use self::fork::Fork;
+pub use self::piece::{RingPlane, Swept};
+pub use self::write::Forking;
 use crate::Section;
 
 /// A cross-section of a tube: where its middle is and how thick the tube is there.

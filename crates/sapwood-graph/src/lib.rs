@@ -15,6 +15,7 @@ mod label;
 mod light;
 mod material;
 mod parts;
+mod pieces;
 mod supply;
 mod traversals;
 mod walk;
@@ -29,15 +30,16 @@ pub use label::{Anchor, Label};
 pub use light::{Light, LightShape};
 pub use material::{Alpha, Material, MaterialImages};
 pub use parts::{Part, Parts};
+pub use pieces::Pieced;
 pub use supply::{
     Diagnostic, EnvId, Interrupted, PlanRef, Provide, SiteId, Supplied, Supply, Want,
 };
 pub use traversals::{
     AlongRay, Beyond, Body, CameraRow, CountMemo, Counts, DrawList, DrawRow, Fate, Finding, Hit,
-    LabelRow, LightRow, LineRow, Merge, Occurrence, PickOptions, PickedPart, PickedSides, Prune,
-    PruneHandlers, Pruning, Report, Severity, Standing, Struck, TooManyRows, TooManyTriangles,
-    count, diagnostics, draw_list, dump, fragment_bound, pick, pick_compiled, prune,
-    prune_compiled, prune_interest, verify,
+    LabelRow, LightRow, LineRow, Merge, Occurrence, PickOptions, PickedPart, PickedSides,
+    PiecesReport, Prune, PruneHandlers, Pruning, Report, Severity, Standing, Struck, TooManyRows,
+    TooManyTriangles, WeldPieces, count, diagnostics, draw_list, dump, fragment_bound, pick,
+    pick_compiled, prune, prune_compiled, prune_interest, verify,
 };
 pub use walk::{
     Approach, At, Everything, Inside, Interest, Order, Path, Under, discover, traverse, walk,

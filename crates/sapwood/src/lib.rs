@@ -24,6 +24,12 @@ pub fn skeleton_rules() -> scene::RuleSet {
     rules::weber_penn::skeleton().over(&images::rules()).over(&scene::built_in_rules())
 }
 
+/// The rule set that draws each segment of a stem by itself and everything else as it is, for
+/// [`WeldPieces`](graph::WeldPieces).
+pub fn segment_rules() -> scene::RuleSet {
+    rules::weber_penn::segments().over(&images::rules()).over(&scene::built_in_rules())
+}
+
 /// The README's example, compiled and run with the documentation tests.
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]

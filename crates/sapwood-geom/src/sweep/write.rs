@@ -2,8 +2,23 @@
 
 use glam::Vec2;
 
-use super::{Around, Cap, Laid, Sweep};
+use super::forked::Inward;
+use super::{Around, Cap, Fork, Laid, Sweep};
 use crate::{Mesh, Section};
+
+/// A ring of a tube that others leave as well.
+#[derive(Clone, Copy, Debug)]
+pub struct Forking<'a> {
+    /// The number of the ring.
+    pub ring: usize,
+    /// How it is parted.
+    pub fork: &'a Fork,
+    /// Which of the fork's tubes this one is above the ring.
+    pub tube: usize,
+    /// The first of the vertices that the ring has in the mesh already: the tube begins there.
+    /// They must have been written for the same ring, with the same section.
+    pub vertices: Option<u32>,
+}
 
 impl Sweep {
     /// Adds the tube last laid to `mesh`, with the section it was laid for.
@@ -11,22 +26,62 @@ impl Sweep {
     /// # Panics
     /// Where the vertices together exceed what a 32-bit index can number.
     pub fn write(&self, section: &Section, mesh: &mut Mesh) {
+        self.write_forking(section, &[], mesh, &mut Vec::new());
+    }
+
+    /// As [`write`](Self::write), with walls that part at some rings, which must not be points
+    /// nor the last; they ascend. Adds to `vertices` for each of them its first vertex in the
+    /// mesh. There are fewer triangles than were told of, by [`Fork::n_narrow`] for each.
+    ///
+    /// # Panics
+    /// As [`write`](Self::write).
+    pub fn write_forking(
+        &self,
+        section: &Section,
+        forking: &[Forking<'_>],
+        mesh: &mut Mesh,
+        vertices: &mut Vec<u32>,
+    ) {
         let sides = section.n_sides() as usize;
         if self.n_triangles(sides) == 0 {
             return;
         }
         self.reserve(sides, mesh);
+        let (first_index, has_forks) = (mesh.indices.len(), !forking.is_empty());
         let (first, last) = (self.laid[0], self.laid[self.laid.len() - 1]);
         if self.base != Cap::Open && !first.is_point {
             self.write_disc(section, &first, -1.0, mesh);
         }
+        let mut forking = forking.iter().peekable();
         let mut before: Option<&Laid> = None;
-        for laid in &self.laid {
-            self.write_ring(section, before, laid, mesh);
+        let mut inward: Option<Inward<'_>> = None;
+        for (row, laid) in (0..).zip(&self.laid) {
+            let start = mesh.positions.len() as u32;
+            match (inward.take(), before) {
+                (Some(inward), Some(before)) => {
+                    if laid.is_point {
+                        self.write_point(section, before.slope, laid, mesh);
+                    } else {
+                        self.write_vertices(section, laid, before.slope + laid.slope, mesh);
+                    }
+                    inward.write_walls(start, laid.is_point, mesh);
+                }
+                _ if before.is_none() && forking.peek().is_some_and(|f| f.starts(row, self)) => {}
+                (_, before) => self.write_ring(section, before, laid, mesh),
+            }
+            if let Some(parted) = forking.next_if(|f| self.rows.get(f.ring) == Some(&row)) {
+                let ring = parted.vertices.unwrap_or(start);
+                vertices.push(ring);
+                inward = Some(self.turn_inward(section, laid, parted, ring, mesh));
+            }
             before = Some(laid);
         }
         if self.tip != Cap::Open && !last.is_point {
             self.write_disc(section, &last, 1.0, mesh);
+        }
+        if has_forks {
+            // Walls may lean far from a ring that they share with others.
+            mesh.keep_own_normals(first_index);
         }
     }
 
@@ -95,14 +150,22 @@ impl Sweep {
                 mesh.uvs.extend(section.around.iter().map(|u| Vec2::new(self.u + u * widths, v)));
             }
             Around::Mirrored { .. } => {
-                // There and back between vertices, so that no side has one `u` throughout.
                 let sides = section.n_sides();
-                let far = (sides / 2) as f32 / sides as f32;
-                let (there, back) = (0.5 * widths / far, 0.5 * widths / (1.0 - far));
-                let u = |share: &f32| self.u + (share * there).min((1.0 - share) * back);
+                let u = |share: &f32| self.u + mirrored(*share, sides, widths);
                 mesh.uvs.extend(section.around.iter().map(|share| Vec2::new(u(share), v)));
             }
         }
+    }
+
+    /// The texture coordinates of a place of a ring.
+    pub(super) fn uv_at(&self, section: &Section, laid: &Laid, place: u32) -> Vec2 {
+        let widths = self.around.widths(laid.radius);
+        let share = section.around[place as usize];
+        let u = match self.around {
+            Around::Repeats(_) => share * widths,
+            Around::Mirrored { .. } => mirrored(share, section.n_sides(), widths),
+        };
+        Vec2::new(self.u + u, laid.v)
     }
 
     /// Writes one vertex for each side at a point, so that every triangle has its own normal and
@@ -141,4 +204,11 @@ impl Sweep {
             mesh.indices.extend(if way > 0.0 { [first, a, b] } else { [first, b, a] });
         }
     }
+}
+
+/// There and back between vertices, so that no side has one `u` throughout.
+fn mirrored(share: f32, sides: u32, widths: f32) -> f32 {
+    let far = (sides / 2) as f32 / sides as f32;
+    let (there, back) = (0.5 * widths / far, 0.5 * widths / (1.0 - far));
+    (share * there).min((1.0 - share) * back)
 }

@@ -12,6 +12,7 @@ mod prune;
 mod simplify;
 mod smooth;
 mod verify;
+mod weld_pieces;
 
 pub use bounds::fragment_bound;
 pub use count::{CountMemo, Counts, count};
@@ -27,3 +28,4 @@ pub use prune::{
     Beyond, Fate, Prune, PruneHandlers, Pruning, Standing, prune, prune_compiled, prune_interest,
 };
 pub use verify::{Finding, Report, Severity, verify};
+pub use weld_pieces::{PiecesReport, WeldPieces};

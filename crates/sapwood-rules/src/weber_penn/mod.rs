@@ -21,7 +21,7 @@ mod species;
 mod tests;
 
 pub use components::{Branch, Children, Leaves, Seed, StemSurface, Tree, Twigs};
-pub use geometry::{Detail, leaf_card, leaf_mesh, surface};
+pub use geometry::{Detail, leaf_card, leaf_mesh, segments as stem_segments, surface};
 pub use growth::{
     Frame, Leaf, Limit, Segment, Stem, StemSeed, Stems, children, fit, foreseen, grow, leaves,
     trunks,
@@ -29,7 +29,7 @@ pub use growth::{
 pub use look::{BarkLook, LeafLook};
 pub use params::{Crown, LeafParams, Level, Pruning, TrunkForm};
 pub use prune::prune_handlers;
-pub use rules::{full, skeleton};
+pub use rules::{full, segments, skeleton};
 pub use slots::{
     BarkLookSlot, BarkSlot, CrownSlot, DetailSlot, FoliageSlot, IsPrunedSlot, LeafLookSlot,
     LeafTargetSlot, LeavesSlot, LevelSlot, PruneRatioSlot, StemTargetSlot, TrunkFormSlot,

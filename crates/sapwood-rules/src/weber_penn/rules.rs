@@ -1,10 +1,11 @@
 //! The rules that compile trees.
 //!
 //! [`full`] makes surfaces and leaves; [`skeleton`] is a layer over it that draws lines instead,
-//! from the same stems.
+//! and [`segments`] one that draws each segment by itself, from the same stems.
 
 mod geometry;
 mod pruning;
+mod segments;
 mod skeleton;
 mod structure;
 
@@ -27,4 +28,10 @@ pub fn full() -> RuleSet {
 /// Trees as polylines with radii; stems are shared with [`full`].
 pub fn skeleton() -> RuleSet {
     RuleSet::new().with(skeleton::StemLinesRule).with(skeleton::NoLeavesRule).over(&full())
+}
+
+/// Trees whose stems are separate segments, with gaps and overlaps where they bend, to be welded
+/// ([`WeldPieces`](sapwood_graph::WeldPieces)); stems and leaves are shared with [`full`].
+pub fn segments() -> RuleSet {
+    RuleSet::new().with(segments::SegmentsRule).over(&full())
 }

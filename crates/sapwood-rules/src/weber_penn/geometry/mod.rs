@@ -8,4 +8,4 @@ mod surface;
 pub(crate) use leaf_card::half_width;
 pub use leaf_card::leaf_card;
 pub use leaf_shape::leaf_mesh;
-pub use surface::{Detail, surface};
+pub use surface::{Detail, segments, surface};

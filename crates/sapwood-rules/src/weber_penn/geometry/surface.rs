@@ -1,10 +1,18 @@
 //! The surface of grown stems: where rings stand, how many sides they have, and how the tubes of
 //! clones continue the one they split from. Sweeping rings into triangles is geometry's work.
 
+mod forks;
+mod segments;
+
 use std::borrow::Cow;
 
 use glam::Vec3;
-use sapwood_geom::{Around, Cap, Mesh, Ring, Section, Sweep, SweepOptions, SweepStart, content};
+use sapwood_geom::{
+    Around, Cap, Forking, Mesh, Ring, Section, Sweep, SweepOptions, SweepStart, content,
+};
+
+use self::forks::Forks;
+pub use self::segments::segments;
 
 use super::ring_places::find_places;
 use crate::weber_penn::{Segment, Stem, Stems, TrunkForm};
@@ -99,8 +107,11 @@ impl Detail {
 
 /// The surface of a batch of stems in tree space, one tube for each stem.
 ///
-/// A clone's tube starts with the very ring where it leaves the stem that it split from. Every
-/// stem is `charge`d with its number of triangles before any of them is made; the first refusal
+/// A clone's tube starts with the very ring where it leaves the stem that it split from, and
+/// shares its vertices: there the ring forks ([`Fork`](sapwood_geom::Fork)), and every edge has a
+/// triangle on either side. Where that cannot be (the clone turns back, the ring is next to a
+/// point) it starts with a ring of its own. Every stem is `charge`d with its number of triangles
+/// before any of them is made; the first refusal
 /// ends the work and is returned. The radius is the taper's, for trunks times the factors of
 /// `form` and around the stem its lobes.
 ///
@@ -135,6 +146,8 @@ struct SectionKey {
 struct Joint {
     ring: Ring,
     start: SweepStart,
+    /// The first of the ring's vertices, once they are written.
+    vertices: Option<u32>,
 }
 
 /// The tubes of a batch, one after the other.
@@ -144,7 +157,8 @@ struct Tubes<'a> {
     detail: &'a Detail,
     bark_width: f32,
     sections: Vec<(SectionKey, Cow<'static, Section>)>,
-    /// The section of the tube last laid.
+    /// The stem whose tube was laid last, and its section.
+    index: usize,
     section: usize,
     sweep: Sweep,
     rings: Vec<Ring>,
@@ -154,6 +168,9 @@ struct Tubes<'a> {
     between: Vec<f32>,
     /// A joint for each segment of the batch; empty where no stem is a clone.
     joints: Vec<Option<Joint>>,
+    forks: Forks,
+    /// First vertices of the rings that fork on the tube last written.
+    vertices: Vec<u32>,
 }
 
 impl<'a> Tubes<'a> {
@@ -169,12 +186,15 @@ impl<'a> Tubes<'a> {
             detail,
             bark_width: bark_width.max(1e-6),
             sections: Vec::new(),
+            index: 0,
             section: 0,
             sweep: Sweep::with_room(n_rings),
             rings: Vec::with_capacity(n_rings),
             ends: Vec::with_capacity(n_rings),
             between: Vec::new(),
             joints: vec![None; n_joints],
+            forks: if has_clones { Forks::of(stems) } else { Forks::default() },
+            vertices: Vec::new(),
         }
     }
 
@@ -202,9 +222,10 @@ impl<'a> Tubes<'a> {
     fn lay(&mut self, index: usize) -> usize {
         let stem = &self.stems.stems[index];
         let seed = &stem.seed;
-        let key = self.detail.section(seed.level, seed.radius, self.form);
+        self.index = index;
+        let key = self.key_of(stem);
         self.section = self.section_of(key);
-        let joint = self.joint_of(stem);
+        let joint = self.joint_of(index);
         self.place_rings(index, stem, key.sides, joint);
         let repeats = std::f32::consts::TAU * seed.radius / self.bark_width;
         let around = if repeats < FEWEST_REPEATS {
@@ -224,13 +245,47 @@ impl<'a> Tubes<'a> {
         let n = self.sweep.lay(&self.sections[self.section].1, &self.rings, &options);
         if !self.joints.is_empty() {
             self.keep_joints(stem);
+            self.find_forks(index);
         }
-        n
+        n - self.n_narrow()
+    }
+
+    /// Triangles that the tube last laid lacks because it forks.
+    fn n_narrow(&self) -> usize {
+        self.forks.on_tube().map(|(_, fork, tube)| fork.n_narrow(tube)).sum()
     }
 
     /// Adds the tube last laid.
-    fn write(&self, mesh: &mut Mesh) {
-        self.sweep.write(&self.sections[self.section].1, mesh);
+    fn write(&mut self, mesh: &mut Mesh) {
+        let section = &self.sections[self.section].1;
+        self.vertices.clear();
+        let forking: Vec<Forking<'_>> = self
+            .forks
+            .on_tube()
+            .map(|(row, fork, tube)| {
+                let vertices = if row.is_foot {
+                    self.joints[row.segment].and_then(|j| j.vertices)
+                } else {
+                    None
+                };
+                Forking { ring: row.ring, fork, tube, vertices }
+            })
+            .collect();
+        self.sweep.write_forking(section, &forking, mesh, &mut self.vertices);
+        for ((row, _, _), vertices) in self.forks.on_tube().zip(&self.vertices) {
+            if let Some(joint) = &mut self.joints[row.segment] {
+                joint.vertices = Some(*vertices);
+            }
+        }
+    }
+
+    fn key_of(&self, stem: &Stem) -> SectionKey {
+        let mut key = self.detail.section(stem.seed.level, stem.seed.radius, self.form);
+        if !self.joints.is_empty() {
+            // Nothing with three sides can fork.
+            key.sides = key.sides.max(4);
+        }
+        key
     }
 
     fn section_of(&mut self, key: SectionKey) -> usize {
@@ -246,21 +301,17 @@ impl<'a> Tubes<'a> {
         self.sections.len() - 1
     }
 
-    /// The ring that a clone starts with, unless the clone turns back so sharply that a tube
-    /// from that ring would be inside out.
-    fn joint_of(&self, stem: &Stem) -> Option<Joint> {
-        let origin = &self.stems.stems[stem.clone_of? as usize];
-        let before = stem.start.checked_sub(origin.start + 1)?;
-        let joint = (*self.joints.get((origin.first_segment + before) as usize)?)?;
-        let onward = self.stems.segments[stem.first_segment as usize].frame.axes.z_axis;
-        joint.start.tangent.is_some_and(|tangent| tangent.dot(onward) > 0.2).then_some(joint)
+    /// The ring that a clone shares with the stem it split from, if it does.
+    fn joint_of(&self, index: usize) -> Option<Joint> {
+        let segment = self.forks.foot_of(self.stems, index)?;
+        *self.joints.get(segment)?
     }
 
     fn keep_joints(&mut self, stem: &Stem) {
         for (segment, ring) in stem.segment_range().zip(&self.ends) {
             self.joints[segment] = ring.and_then(|ring| {
                 let start = self.sweep.start_at(ring)?;
-                Some(Joint { ring: self.rings[ring], start })
+                Some(Joint { ring: self.rings[ring], start, vertices: None })
             });
         }
     }
@@ -282,7 +333,15 @@ impl<'a> Tubes<'a> {
             }
             if places.peek().is_some() {
                 let bend = segments.get(i + 1).map_or(0.0, |next| bend(segment, next));
-                let near = [bend_before, bend].map(|bend| room(bend, stem, segment));
+                let mut near = [bend_before, bend].map(|bend| room(bend, stem, segment));
+                let is_forked = match i {
+                    0 => joint.is_some(),
+                    i => self.forks.any_leave(stem.first_segment as usize + i - 1),
+                };
+                if is_forked {
+                    // Half a ring widens to a whole one there.
+                    near[0] = near[0].max(segment.radius_foot / stem.seed.length.max(1e-6));
+                }
                 while let Some(z) = places.next_if(|z| *z < segment.z_end) {
                     let from_foot = z - segment.z_foot;
                     if from_foot > near[0] && segment.z_end - z > near[1] {
@@ -517,7 +576,7 @@ mod tests {
     }
 
     #[test]
-    fn clones_start_with_the_ring_they_split_from_and_do_not_twist() {
+    fn clones_share_the_ring_they_split_from_and_do_not_twist() {
         let mut species = Species { lobes: 3, lobe_depth: 0.2, ..bare(0.5) };
         (species.trunk.base_splits, species.level[0].split_angle) = (2, 20.0);
         (species.level[0].seg_splits, species.level[0].curve_v) = (1.0, 30.0);
@@ -531,23 +590,28 @@ mod tests {
         assert_eq!(mesh.fault(), None);
         assert_eq!(n_triangles.iter().sum::<usize>(), mesh.n_triangles());
         assert!(stems.stems.len() > 6);
-        let mut first_index = 0;
+        // Every trunk is closed, its clones with it.
+        assert_eq!(mesh.n_open_edges(), 0);
+        let (mut first_index, mut earlier) = (0, 0);
         for (stem, n) in stems.stems.iter().zip(&n_triangles) {
-            let first = mesh.indices[first_index] as usize;
+            let indices = &mesh.indices[first_index..first_index + 3 * n];
             first_index += 3 * n;
-            if stem.clone_of.is_none() {
-                continue;
-            }
-            let ring = 12;
-            for k in 0..=ring {
-                let (foot, above) =
-                    (mesh.positions[first + k], mesh.positions[first + k + ring + 1]);
-                let welded = mesh.positions[..first].contains(&foot);
-                assert!(welded, "{foot} is nowhere on the stems before");
-                // Without twist a seam leans less than the split's angle and the bend allow.
+            if stem.clone_of.is_some() {
+                let ring = 12;
+                let foot: Vec<u32> = indices.iter().copied().filter(|i| *i < earlier).collect();
+                assert!(foot.len() >= 9, "{foot:?}");
+                // The ring's sides that the clone keeps, from each foot to the place above it.
                 let onward = stems.segments[stem.first_segment as usize].frame.axes.z_axis;
-                assert!((above - foot).normalize().dot(onward) > 0.9, "{foot} {above}");
+                for side in indices[..6 * ring].chunks_exact(3).filter(|t| t[1] < earlier) {
+                    let [a, _, up] =
+                        [side[0], side[1], side[2]].map(|i| mesh.positions[i as usize]);
+                    if side[0] < earlier {
+                        // Without twist a seam leans less than the split's angle and the bend allow.
+                        assert!((up - a).normalize().dot(onward) > 0.9, "{a} {up}");
+                    }
+                }
             }
+            earlier = earlier.max(indices.iter().max().map_or(0, |last| last + 1));
         }
     }
 

@@ -41,13 +41,7 @@ impl Rule for StemSurfaceRule {
         } else {
             None
         };
-        let is_trunk = of.stems.stems.iter().any(|stem| stem.seed.level == 0);
-        let form = if is_trunk {
-            cx.read::<TrunkFormSlot>()
-        } else {
-            // Other stems have no form beyond their taper, and must not depend on the trunk's.
-            Arc::new(TrunkForm::new(&Species::default()))
-        };
+        let form = trunk_form(of, cx);
         let mut ends: Vec<u32> = Vec::with_capacity(of.stems.stems.len());
         let charge = |triangles| {
             let end = ends.last().copied().unwrap_or(0);
@@ -69,9 +63,20 @@ impl Rule for StemSurfaceRule {
     }
 }
 
+/// The form of the trunks among the stems.
+pub(super) fn trunk_form(of: &StemSurface, cx: &mut Context<'_>) -> Arc<TrunkForm> {
+    let is_trunk = of.stems.stems.iter().any(|stem| stem.seed.level == 0);
+    if is_trunk {
+        cx.read::<TrunkFormSlot>()
+    } else {
+        // Other stems have no form beyond their taper, and must not depend on the trunk's.
+        Arc::new(TrunkForm::new(&Species::default()))
+    }
+}
+
 /// The material to draw with, and whether it is the species' own: one that is forced wins, then
 /// one that somebody has set in the slot, then that which `own` is painted to.
-fn material<S: Slot<Value = Option<Material>, Rate = Held>>(
+pub(super) fn material<S: Slot<Value = Option<Material>, Rate = Held>>(
     own: impl FnOnce() -> PaintedMaterial,
     cx: &mut Context<'_>,
 ) -> Result<(Arc<Material>, bool), RuleError> {
