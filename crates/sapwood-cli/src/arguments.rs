@@ -31,6 +31,7 @@ Examples:
   sapwood grow my_species.toml --at 12,0,-3.5 --detail skeleton -o lines.svg
   sapwood grow weeping_willow --detail draft --quality 0.5 -o willow.glb
   sapwood grow weeping_willow --levels 2 --json
+  sapwood grow quaking_aspen --weld stem -o welded.glb
   sapwood grow palm -o palm.png --size 600x800 --ground --sun 1,0.5,0.3
   sapwood grow apple -o turn.png --turntable 24 --samples 4 --transparent";
 
@@ -178,6 +179,9 @@ pub(crate) struct GrowArguments {
     /// too. May be given several times; each cuts
     #[arg(long, value_name = "SHAPE", allow_hyphen_values = true)]
     pub(crate) cut: Vec<Shape>,
+    /// Weld the wood before it is written; not with --cut
+    #[arg(long, value_enum, conflicts_with = "cut")]
+    pub(crate) weld: Option<Weld>,
     /// Tell what was grown as one JSON object instead of a table; the README has its keys
     #[arg(long)]
     pub(crate) json: bool,
@@ -259,8 +263,17 @@ pub(crate) enum Detail {
     Full,
     /// Fewer sides, rings and leaves, in about a third of the triangles or less
     Draft,
+    /// Every segment of a stem by itself, before it is welded to the others; and leaves
+    Segments,
     /// Lines with radii
     Skeleton,
+}
+
+/// How wood is welded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Weld {
+    /// The segments of each stem, and of those that split from it, to one mesh
+    Stem,
 }
 
 #[derive(Args, Debug)]

@@ -4,6 +4,7 @@ mod held;
 mod json;
 mod output;
 mod summary;
+mod weld;
 
 use std::io::Write;
 use std::time::{Duration, Instant};
@@ -16,7 +17,7 @@ use sapwood::rules::weber_penn::prune_handlers;
 use sapwood::scene::{Attribute, Handle, RuleSet, Scene, Style, ViewError, ViewId};
 use tracing::{Level, info};
 
-use crate::arguments::{Detail, GrowArguments, Individual, TreeArguments};
+use crate::arguments::{Detail, GrowArguments, Individual, TreeArguments, Weld};
 use crate::failure::Failure;
 use crate::picture::{self, Extent, Order, Toll, Track};
 use crate::tree;
@@ -54,12 +55,18 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
     let mut scene = Scene::new();
     scene.set_logging(tracing::enabled!(Level::DEBUG));
     let root = tree::planted(&mut scene, &species, individual, of)?;
-    let rules = tree::rules(of);
+    let rules = match arguments.weld {
+        None => tree::rules(of),
+        Some(Weld::Stem) => sapwood::segment_rules(),
+    };
     let (view, bounds) =
         steps.time("compile", || tree::compiled(&mut scene, root, &rules, of, watch))?;
     let census = Census::of(&mut scene, view, species.levels)?;
     let components = scene.count(view)?.components;
-    let list = steps.time("draw list", || drawn(&mut scene, view, cut.as_ref()))?;
+    let mut list = steps.time("draw list", || drawn(&mut scene, view, cut.as_ref()))?;
+    if arguments.weld == Some(Weld::Stem) {
+        list = steps.time("weld", || weld::stems(&mut scene, view, &list))?;
+    }
     let mut bounds = bounds.aabb;
     if cut.is_some() {
         bounds = aabb(&list);
@@ -87,7 +94,9 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
     let mut toll = None;
     if let Some(order) = &order {
         let mut held;
-        let grown = if cut.is_some() {
+        // A skeleton is drawn along what grew, welded or not.
+        let is_welded = arguments.weld.is_some() && order.style != Some(Style::Skeleton);
+        let grown = if cut.is_some() || is_welded {
             held = held::held(&list)?;
             let (scene, root) = (&mut held.0, held.1);
             let view = scene.open_view(root, &rules)?;
@@ -226,6 +235,7 @@ fn check_outputs(arguments: &GrowArguments) -> Result<Option<Order>, Failure> {
             output.path().display()
         )));
     }
+    weld::check(arguments)?;
     let turns = arguments.turntable.turntable;
     if let Some((first, second, file)) = output::clash(&arguments.output, turns) {
         return Err(Failure::usage(format!(
@@ -262,6 +272,7 @@ fn title(name: &str, individual: Individual, arguments: &TreeArguments) -> Strin
     let detail = match arguments.detail {
         Detail::Full => "",
         Detail::Draft => ", draft",
+        Detail::Segments => ", segments",
         Detail::Skeleton => ", skeleton",
     };
     let quality = match arguments.quality {
@@ -375,6 +386,21 @@ mod tests {
             error.contains("code: 2") && error.contains("no/b.glb: glTF files hold"),
             "{error}"
         );
+    }
+
+    #[test]
+    fn segments_are_welded() {
+        let row = |table: &str, name: &str| {
+            let line = table.lines().find(|line| line.starts_with(name));
+            line.map(|line| line.split_whitespace().last().unwrap().replace(' ', ""))
+        };
+        let [full, separate, welded] =
+            ["", "--detail segments", "--weld stem"].map(|how| sizes(&format!("palm {how}")));
+        assert_eq!(row(&full, "triangles"), row(&welded, "triangles"));
+        assert_eq!(row(&full, "vertices"), row(&welded, "vertices"));
+        assert_ne!(row(&separate, "vertices"), row(&welded, "vertices"));
+        let error = grown("palm --weld stem --detail skeleton").unwrap_err();
+        assert!(error.contains("code: 2") && error.contains("--weld: surfaces"), "{error}");
     }
 
     #[test]

@@ -29,6 +29,7 @@ pub(crate) fn species(arguments: &TreeArguments) -> Result<Species, Failure> {
 pub(crate) fn rules(arguments: &TreeArguments) -> RuleSet {
     match arguments.detail {
         Detail::Full | Detail::Draft => sapwood::standard_rules(),
+        Detail::Segments => sapwood::segment_rules(),
         Detail::Skeleton => sapwood::skeleton_rules(),
     }
 }

@@ -60,6 +60,7 @@ pub(super) fn json(summary: &Summary, arguments: &GrowArguments) -> String {
         detail: match arguments.tree.detail {
             Detail::Full => "full",
             Detail::Draft => "draft",
+            Detail::Segments => "segments",
             Detail::Skeleton => "skeleton",
         },
         quality: arguments.tree.quality,
