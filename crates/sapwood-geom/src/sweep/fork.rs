@@ -19,6 +19,9 @@ pub struct Fork {
     inner: Vec<Vec2>,
 }
 
+/// How far apart the points of a fork are at least, for radius 1.
+const APART: f32 = 0.05;
+
 /// What one tube stands on.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Foot {
@@ -46,22 +49,37 @@ impl Fork {
         }
         let order = around(toward);
         let borders = borders(toward, &order, sides);
+        // As many edges on every spoke as a quarter of the ring has places: the mean of two
+        // places on either side of the spoke would lie beyond the middle. Fewer where points
+        // would lie too near to each other, on arcs of very different lengths.
+        let most = (sides / 4).max(1);
+        (1..=most).rev().find_map(|edges| Self::with_spokes(section, &order, &borders, edges))
+    }
+
+    /// The fork with so many edges on every spoke; nothing where a tube has not enough inner
+    /// sides for them, or points would be hard to tell apart.
+    fn with_spokes(
+        section: &Section,
+        order: &[usize],
+        borders: &[u32],
+        edges: u32,
+    ) -> Option<Self> {
+        let (sides, n) = (section.n_sides(), order.len() as u32);
         let n_inner = |own: u32| sides - own;
         let own = |j: usize| {
             let before = borders[(j + borders.len() - 1) % borders.len()];
             (borders[j] + sides - before) % sides
         };
-        // As many edges on every spoke as the tube with the fewest inner sides allows, and no
-        // more than there are places on a quarter of the ring: the mean of two places on either
-        // side of the spoke would lie beyond the middle.
-        let edges = (0..order.len()).map(|j| n_inner(own(j)) / 2).min()?.min(sides / 4).max(1);
+        if (0..order.len()).any(|j| n_inner(own(j)) < 2 * edges) {
+            return None;
+        }
         let center = sides + n * (edges - 1);
         let on_spoke = |spoke: u32, from_ring: u32| match from_ring {
             0 => borders[spoke as usize],
             i if i == edges => center,
             i => sides + spoke * (edges - 1) + i - 1,
         };
-        let mut feet = vec![Foot { first: 0, points: Vec::new() }; toward.len()];
+        let mut feet = vec![Foot { first: 0, points: Vec::new() }; order.len()];
         let mut inner = vec![(Vec2::ZERO, 0u32); (center + 1 - sides) as usize];
         for (j, tube) in order.iter().enumerate() {
             let (first, last) = (j as u32, (j as u32 + n - 1) % n);
@@ -81,8 +99,12 @@ impl Fork {
             }
             feet[*tube] = Foot { first: start, points };
         }
-        let inner = inner.into_iter().map(|(sum, weight)| sum / weight.max(1) as f32).collect();
-        Some(Self { sides, feet, inner })
+        let inner: Vec<Vec2> =
+            inner.into_iter().map(|(sum, weight)| sum / weight.max(1) as f32).collect();
+        let on_ring = borders.iter().map(|place| section.points[*place as usize]);
+        let points: Vec<Vec2> = inner.iter().copied().chain(on_ring).collect();
+        let is_apart = |i: usize| points[i + 1..].iter().all(|p| p.distance(points[i]) > APART);
+        (0..inner.len()).all(is_apart).then_some(Self { sides, feet, inner })
     }
 
     /// The points of the fork on which side number `side` of a tube stands, from its place to
@@ -170,7 +192,7 @@ mod tests {
     /// Every edge of the fork has a tube on either side, or one and the ring below.
     fn check(section: &Section, toward: &[Vec2]) {
         let sides = section.n_sides();
-        let fork = Fork::new(section, toward).unwrap();
+        let Some(fork) = Fork::new(section, toward) else { panic!("{sides} sides, {toward:?}") };
         let mut edges = BTreeMap::<(u32, u32), i32>::new();
         let mut add = |a: u32, b: u32| {
             if a != b {
@@ -197,8 +219,8 @@ mod tests {
             assert_eq!((*n, edges.get(&(*b, *a))), (1, Some(&1)), "{a} {b}: {toward:?}");
         }
         for (i, a) in fork.inner.iter().enumerate() {
-            assert!(a.length() < 0.999, "{a}");
-            assert!(fork.inner[..i].iter().all(|b| b.distance(*a) > 1e-3), "{:?}", fork.inner);
+            assert!(a.length() < 1.3, "{a}");
+            assert!(fork.inner[..i].iter().all(|b| b.distance(*a) > APART), "{:?}", fork.inner);
         }
     }
 
@@ -219,6 +241,20 @@ mod tests {
                 check(&section, &[Vec2::X, Vec2::new(1.0, 0.01), Vec2::new(1.0, 0.02)]);
                 check(&section, &[Vec2::ZERO; 4]);
             }
+        }
+    }
+
+    #[test]
+    fn any_directions_can_be_parted() {
+        let mut stream = crate::Stream::new(crate::StreamPath::new(3), crate::Purpose("fork"));
+        for i in 0..20_000 {
+            let sides = 4 + i % 20;
+            let lobed = Section::lobed(4 * (i % 5 + 1), i % 5 + 1, 0.3);
+            let section = if i % 3 == 0 { lobed } else { Section::round(sides) };
+            let n = 2 + i % (section.n_sides() / 2 - 1).min(5);
+            let mut next = || stream.between(-1.0, 1.0);
+            let toward: Vec<Vec2> = (0..n).map(|_| Vec2::new(next(), next())).collect();
+            check(&section, &toward);
         }
     }
 
