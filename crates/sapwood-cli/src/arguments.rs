@@ -32,6 +32,7 @@ Examples:
   sapwood grow weeping_willow --detail draft --quality 0.5 -o willow.glb
   sapwood grow weeping_willow --levels 2 --json
   sapwood grow quaking_aspen --weld stem -o welded.glb
+  sapwood grow quaking_aspen --weld union -o solid.obj
   sapwood grow palm -o palm.png --size 600x800 --ground --sun 1,0.5,0.3
   sapwood grow apple -o turn.png --turntable 24 --samples 4 --transparent";
 
@@ -191,6 +192,16 @@ pub(crate) struct GrowArguments {
     pub(crate) turntable: TurntableArguments,
 }
 
+/// How wood is welded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Weld {
+    /// The segments of each stem, and of those that split from it, to one mesh
+    Stem,
+    /// All stems to one closed surface, as 3D printers and physics engines take it; leaves stay
+    /// as they are
+    Union,
+}
+
 #[derive(Args, Debug)]
 pub(crate) struct PictureCommand {
     /// The file to draw: .glb, or .gltf with whatever it refers to in its folder
@@ -267,13 +278,6 @@ pub(crate) enum Detail {
     Segments,
     /// Lines with radii
     Skeleton,
-}
-
-/// How wood is welded.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Weld {
-    /// The segments of each stem, and of those that split from it, to one mesh
-    Stem,
 }
 
 #[derive(Args, Debug)]

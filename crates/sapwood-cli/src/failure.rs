@@ -33,6 +33,17 @@ impl Failure {
         Self::new(Self::USAGE, vec![line])
     }
 
+    /// More triangles than are allowed.
+    pub(crate) fn too_many(line: String) -> Self {
+        Self::new(Self::BUDGET, vec![line])
+            .advised("allow more with --max-triangles, or grow fewer --levels")
+    }
+
+    /// What was asked for cannot be made.
+    pub(crate) fn input(line: String) -> Self {
+        Self::new(Self::INPUT, vec![line])
+    }
+
     /// Somebody wanted the program to stop.
     pub(crate) fn interrupted() -> Self {
         Self::new(Self::INTERRUPTED, vec!["interrupted; nothing was written".to_owned()])

@@ -56,7 +56,7 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
     scene.set_logging(tracing::enabled!(Level::DEBUG));
     let root = tree::planted(&mut scene, &species, individual, of)?;
     let rules = match arguments.weld {
-        None => tree::rules(of),
+        None | Some(Weld::Union) => tree::rules(of),
         Some(Weld::Stem) => sapwood::segment_rules(),
     };
     let (view, bounds) =
@@ -64,9 +64,6 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
     let census = Census::of(&mut scene, view, species.levels)?;
     let components = scene.count(view)?.components;
     let mut list = steps.time("draw list", || drawn(&mut scene, view, cut.as_ref()))?;
-    if arguments.weld == Some(Weld::Stem) {
-        list = steps.time("weld", || weld::stems(&mut scene, view, &list))?;
-    }
     let mut bounds = bounds.aabb;
     if cut.is_some() {
         bounds = aabb(&list);
@@ -74,6 +71,20 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
             return Err(nothing_left(arguments));
         }
     }
+    let welded = match arguments.weld {
+        None => None,
+        Some(Weld::Stem) => {
+            list = steps.time("weld", || weld::stems(&mut scene, view, &list))?;
+            None
+        }
+        Some(Weld::Union) => {
+            let max = of.max_triangles;
+            let join = || weld::union(&mut scene, view, &list, max, watch);
+            let (joined, report) = steps.time("weld", join)?;
+            list = joined;
+            Some(report)
+        }
+    };
     let has_surfaces = arguments.tree.detail != Detail::Skeleton;
     let surfaces = has_surfaces.then(|| list.n_vertices_and_triangles());
 
@@ -122,7 +133,17 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
     let species = if species.name.is_empty() { of.species.clone() } else { species.name };
     let title = title(&species, individual, of);
     let phases = steps.0;
-    Ok(Summary { species, title, census, components, surfaces, bounds, phases, picture: toll })
+    Ok(Summary {
+        species,
+        title,
+        census,
+        components,
+        surfaces,
+        welded,
+        bounds,
+        phases,
+        picture: toll,
+    })
 }
 
 /// What a view draws, or what a cut leaves of it.
@@ -390,16 +411,29 @@ mod tests {
 
     #[test]
     fn segments_are_welded() {
-        let row = |table: &str, name: &str| {
-            let line = table.lines().find(|line| line.starts_with(name));
-            line.map(|line| line.split_whitespace().last().unwrap().replace(' ', ""))
-        };
         let [full, separate, welded] =
             ["", "--detail segments", "--weld stem"].map(|how| sizes(&format!("palm {how}")));
         assert_eq!(row(&full, "triangles"), row(&welded, "triangles"));
         assert_eq!(row(&full, "vertices"), row(&welded, "vertices"));
         assert_ne!(row(&separate, "vertices"), row(&welded, "vertices"));
         let error = grown("palm --weld stem --detail skeleton").unwrap_err();
+        assert!(error.contains("code: 2") && error.contains("--weld: surfaces"), "{error}");
+    }
+
+    /// The last column of a row of the summary.
+    fn row(table: &str, name: &str) -> Option<String> {
+        let line = table.lines().find(|line| line.starts_with(name));
+        line.map(|line| line.split_whitespace().last().unwrap().replace(' ', ""))
+    }
+
+    #[test]
+    fn wood_is_welded() {
+        let plain = sizes("palm --levels 1");
+        let welded = sizes("palm --levels 1 --weld union");
+        assert_eq!(row(&plain, "welded"), None);
+        assert_eq!(row(&welded, "welded stems").as_deref(), Some("1"));
+        assert_eq!(row(&plain, "leaves"), row(&welded, "leaves"));
+        let error = grown("palm --weld union --detail skeleton").unwrap_err();
         assert!(error.contains("code: 2") && error.contains("--weld: surfaces"), "{error}");
     }
 

@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use sapwood::geom::UnionStep;
 use sapwood::scene::CancelToken;
 
 use crate::failure::Failure;
@@ -80,6 +81,21 @@ impl Watch {
     pub(crate) fn drawn(&self, n_done: u64, n_pixels: u64) -> ControlFlow<()> {
         if let Some(progress) = &self.progress {
             progress.show_share(n_done, n_pixels, "drawing");
+        }
+        if self.wish.is_uttered() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+
+    /// Tells how far welding has come, and whether to go on.
+    pub(crate) fn welded(&self, step: UnionStep, n_solids: usize) -> ControlFlow<()> {
+        if let Some(progress) = &self.progress {
+            let n = n_solids as u64;
+            match step {
+                UnionStep::Checked { parts } => progress.show_share(parts as u64, n, "checking"),
+                UnionStep::Joined { parts } => {
+                    progress.show(format!("welding: {parts} of {n_solids} stems"));
+                }
+                UnionStep::Mending => progress.show("welding: mending".to_owned()),
+            }
         }
         if self.wish.is_uttered() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }

@@ -11,7 +11,7 @@ use obvhs::bvh2::{leaf_collapser, reinsertion::ReinsertionOptimizer};
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 
 use crate::{Aabb, Ray, Ray32};
-use wide::{MOST_ITEMS, WideNode, along, widened};
+use wide::{MOST_ITEMS, WideNode, along, widened, within};
 
 /// Up to so many things are looked at one by one.
 const FEW: usize = 8;
@@ -123,6 +123,19 @@ impl BoxTree {
     }
 }
 
+/// Looking into boxes.
+impl BoxTree {
+    /// Calls `each` for the number of every thing whose box meets `aabb`, and of a few more, in no
+    /// order that means anything.
+    pub fn within(&self, aabb: &Aabb, mut each: impl FnMut(u32)) {
+        if self.nodes.is_empty() {
+            self.items.iter().copied().for_each(each);
+        } else {
+            within(&self.nodes, aabb, |place| each(self.items[place as usize]));
+        }
+    }
+}
+
 /// Going along rays in single precision.
 impl BoxTree {
     /// Calls `each` for the number of every thing whose box the ray meets nearer than `reach`, and
@@ -188,6 +201,16 @@ mod tests {
             assert!(found.into_iter().eq(0..n));
             assert!(tree.leaves().all(|leaf| !leaf.is_empty() && leaf.len() <= FEW));
         }
+    }
+
+    #[test]
+    fn what_shares_a_place_with_a_box_is_found() {
+        let tree = BoxTree::new((0..100).map(|i| cube(i as f32)));
+        let mut found = Vec::new();
+        let aabb = Aabb { min: Vec3::new(39.7, 0.2, 0.2), max: Vec3::new(42.0, 9.0, 0.3) };
+        tree.within(&aabb, |item| found.push(item));
+        found.sort_unstable();
+        assert!([40, 41, 42].iter().all(|i| found.contains(i)) && found.len() < 12, "{found:?}");
     }
 
     #[test]

@@ -22,6 +22,7 @@ mod shapes;
 #[cfg(feature = "simplify")]
 mod simplify;
 mod smooth;
+mod solid;
 mod stream;
 mod sweep;
 mod triangle_pack;
@@ -42,6 +43,9 @@ pub use ray32::Ray32;
 pub use section::Section;
 #[cfg(feature = "simplify")]
 pub use simplify::Simplify;
+#[cfg(feature = "union")]
+pub use solid::{Mended, Union, UnionError, UnionStep, union, union_of_meshes};
+pub use solid::{Solid, SolidReport};
 pub use stream::{Purpose, Stream, StreamPath};
 pub use sweep::{
     Around, Cap, Fork, Forking, Ring, RingPlane, Sweep, SweepOptions, SweepStart, Swept,

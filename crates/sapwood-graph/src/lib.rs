@@ -16,6 +16,7 @@ mod light;
 mod material;
 mod parts;
 mod pieces;
+mod solids;
 mod supply;
 mod traversals;
 mod walk;
@@ -31,6 +32,7 @@ pub use light::{Light, LightShape};
 pub use material::{Alpha, Material, MaterialImages};
 pub use parts::{Part, Parts};
 pub use pieces::Pieced;
+pub use solids::Solids;
 pub use supply::{
     Diagnostic, EnvId, Interrupted, PlanRef, Provide, SiteId, Supplied, Supply, Want,
 };
@@ -41,6 +43,8 @@ pub use traversals::{
     TooManyTriangles, WeldPieces, count, diagnostics, draw_list, dump, fragment_bound, pick,
     pick_compiled, prune, prune_compiled, prune_interest, verify,
 };
+#[cfg(feature = "union")]
+pub use traversals::{WeldReport, WeldUnion};
 pub use walk::{
     Approach, At, Everything, Inside, Interest, Order, Path, Under, discover, traverse, walk,
 };

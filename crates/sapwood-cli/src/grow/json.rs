@@ -25,10 +25,19 @@ struct Document<'a> {
     leaves: Option<u64>,
     vertices: Option<u64>,
     triangles: Option<u64>,
+    weld: Option<Welded>,
     bounds: Option<Bounds>,
     seconds: BTreeMap<&'a str, f64>,
     outputs: Vec<Written<'a>>,
     picture: Option<TollDocument>,
+}
+
+#[derive(Debug, Serialize)]
+struct Welded {
+    stems: usize,
+    triangles: u64,
+    components: usize,
+    volume: f64,
 }
 
 #[derive(Debug, Serialize)]
@@ -46,7 +55,8 @@ struct Written<'a> {
 
 /// The object, on one line.
 pub(super) fn json(summary: &Summary, arguments: &GrowArguments) -> String {
-    let Summary { species, census, surfaces, bounds, phases, components, picture, .. } = summary;
+    let Summary { species, census, surfaces, welded, bounds, phases, components, picture, .. } =
+        summary;
     let (seed, at) = match arguments.individual.individual() {
         Individual::Seed(seed) => (Some(seed), None),
         Individual::At(place) => (None, Some(place)),
@@ -72,6 +82,12 @@ pub(super) fn json(summary: &Summary, arguments: &GrowArguments) -> String {
         leaves: surfaces.map(|_| census.leaves),
         vertices: surfaces.map(|(vertices, _)| vertices),
         triangles: surfaces.map(|(_, triangles)| triangles),
+        weld: welded.as_ref().map(|welded| Welded {
+            stems: welded.n_solids,
+            triangles: welded.n_triangles,
+            components: welded.checked.components,
+            volume: welded.checked.volume,
+        }),
         bounds: (!bounds.is_empty()).then(|| bounds_of(bounds)),
         seconds: steps.iter().map(|phase| (phase.name.as_str(), seconds(phase))).collect(),
         outputs: outputs

@@ -4,7 +4,7 @@ use std::fmt;
 use std::time::Duration;
 
 use sapwood::geom::Aabb;
-use sapwood::graph::{Everything, Handlers, Kind, Order};
+use sapwood::graph::{Everything, Handlers, Kind, Order, WeldReport};
 use sapwood::rules::weber_penn::{Leaf, Segment, Stem};
 use sapwood::scene::{Scene, ViewError, ViewId};
 
@@ -59,6 +59,8 @@ pub(crate) struct Summary {
     pub(crate) components: Vec<(Kind, u64)>,
     /// Vertices and triangles; nothing where no surfaces were asked for.
     pub(crate) surfaces: Option<(u64, u64)>,
+    /// What welding made, if it was asked for.
+    pub(crate) welded: Option<WeldReport>,
     pub(crate) bounds: Aabb,
     pub(crate) phases: Vec<Phase>,
     /// What pictures took, if there are any.
@@ -76,6 +78,10 @@ impl Summary {
             rows.push(("leaves".to_owned(), *leaves));
             rows.push(("vertices".to_owned(), vertices));
             rows.push(("triangles".to_owned(), triangles));
+        }
+        if let Some(welded) = &self.welded {
+            rows.push(("welded stems".to_owned(), welded.n_solids as u64));
+            rows.push(("welded triangles".to_owned(), welded.n_triangles));
         }
         if let Some(toll) = &self.picture {
             rows.push(("rays".to_owned(), toll.n_rays()));
@@ -169,6 +175,7 @@ mod tests {
             census: Census { stems: vec![1, 50, 1200], segments: 3600, leaves: 22_500 },
             components: Vec::new(),
             surfaces: Some((1_234_567, 89)),
+            welded: None,
             bounds: Aabb { min: Vec3::new(-1.5, -0.001, 0.0), max: Vec3::new(2.0, 13.25, 1.0) },
             phases: vec![
                 phase("read", 120, None),

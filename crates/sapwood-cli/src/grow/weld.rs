@@ -1,10 +1,12 @@
-//! `--weld`: the wood of what was grown, welded before it is written.
+//! `--weld`: the wood of what was grown, each stem welded from its segments or all joined to one.
 
-use sapwood::graph::{DrawList, Everything, Order, WeldPieces};
+use sapwood::geom::UnionError;
+use sapwood::graph::{DrawList, Everything, Order, WeldPieces, WeldReport, WeldUnion};
 use sapwood::scene::{Scene, ViewId};
 
 use crate::arguments::{Detail, GrowArguments};
 use crate::failure::Failure;
+use crate::watch::Watch;
 
 /// Refuses to weld what has no surface.
 pub(super) fn check(arguments: &GrowArguments) -> Result<(), Failure> {
@@ -24,4 +26,23 @@ pub(super) fn stems(scene: &mut Scene, view: ViewId, list: &DrawList) -> Result<
     let mut weld = WeldPieces::new();
     scene.traverse(view, Order::Pre, &Everything, &mut |at| weld.meet(at))?;
     Ok(weld.welded(list).0)
+}
+
+/// The list with one closed surface in the place of all stems.
+pub(super) fn union(
+    scene: &mut Scene,
+    view: ViewId,
+    list: &DrawList,
+    max_triangles: u64,
+    watch: &Watch,
+) -> Result<(DrawList, WeldReport), Failure> {
+    let mut weld = WeldUnion::new();
+    scene.traverse(view, Order::Pre, &Everything, &mut |at| weld.meet(at))?;
+    let n_solids = weld.n_solids();
+    let goes_on = |step| watch.welded(step, n_solids).is_continue();
+    weld.join(list, max_triangles, &goes_on).map_err(|error| match error {
+        UnionError::Interrupted => Failure::interrupted(),
+        UnionError::TooManyTriangles { .. } => Failure::too_many(error.to_string()),
+        _ => Failure::input(error.to_string()),
+    })
 }

@@ -178,3 +178,28 @@ pub(super) fn along(
         }
     }
 }
+
+/// Calls `each` with the place of every item in whose leaf's box something of the box is.
+pub(super) fn within(nodes: &[WideNode], aabb: &Aabb, mut each: impl FnMut(u32)) {
+    let (min, max) = (aabb.min.to_array().map(f32x4::splat), aabb.max.to_array().map(f32x4::splat));
+    let mut stack: SmallVec<[u32; 64]> = SmallVec::new();
+    stack.push(0);
+    while let Some(child) = stack.pop() {
+        if child & LEAF != 0 {
+            let (first, count) = ((child & !LEAF) >> COUNT_BITS, child & ((1 << COUNT_BITS) - 1));
+            (first..first + count).for_each(&mut each);
+            continue;
+        }
+        let node = &nodes[child as usize];
+        let mut is_met = 0xf;
+        for axis in 0..3 {
+            is_met &= node.sides[axis].simd_le(max[axis]).to_bitmask();
+            is_met &= node.sides[3 + axis].simd_ge(min[axis]).to_bitmask();
+        }
+        for (lane, child) in node.children.into_iter().enumerate() {
+            if is_met >> lane & 1 != 0 {
+                stack.push(child);
+            }
+        }
+    }
+}

@@ -12,6 +12,8 @@ mod prune;
 mod simplify;
 mod smooth;
 mod verify;
+#[cfg(feature = "union")]
+mod weld;
 mod weld_pieces;
 
 pub use bounds::fragment_bound;
@@ -28,4 +30,6 @@ pub use prune::{
     Beyond, Fate, Prune, PruneHandlers, Pruning, Standing, prune, prune_compiled, prune_interest,
 };
 pub use verify::{Finding, Report, Severity, verify};
+#[cfg(feature = "union")]
+pub use weld::{WeldReport, WeldUnion};
 pub use weld_pieces::{PiecesReport, WeldPieces};

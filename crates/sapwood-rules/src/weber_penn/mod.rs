@@ -21,7 +21,9 @@ mod species;
 mod tests;
 
 pub use components::{Branch, Children, Leaves, Seed, StemSurface, Tree, Twigs};
-pub use geometry::{Detail, leaf_card, leaf_mesh, segments as stem_segments, surface};
+pub use geometry::{
+    Detail, closed_stems, leaf_card, leaf_mesh, segments as stem_segments, surface,
+};
 pub use growth::{
     Frame, Leaf, Limit, Segment, Stem, StemSeed, Stems, children, fit, foreseen, grow, leaves,
     trunks,

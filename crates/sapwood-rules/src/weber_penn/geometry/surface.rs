@@ -151,7 +151,7 @@ struct Joint {
 }
 
 /// The tubes of a batch, one after the other.
-struct Tubes<'a> {
+pub(super) struct Tubes<'a> {
     stems: &'a Stems,
     form: &'a TrunkForm,
     detail: &'a Detail,
@@ -162,6 +162,8 @@ struct Tubes<'a> {
     section: usize,
     sweep: Sweep,
     rings: Vec<Ring>,
+    /// How the tube last laid starts and ends.
+    options: SweepOptions,
     /// For each segment of the current stem the number of the ring at its end, if there is one.
     ends: Vec<Option<usize>>,
     /// Places `z` where the current stem needs rings besides the segment ends, ascending.
@@ -174,7 +176,12 @@ struct Tubes<'a> {
 }
 
 impl<'a> Tubes<'a> {
-    fn new(stems: &'a Stems, form: &'a TrunkForm, detail: &'a Detail, bark_width: f32) -> Self {
+    pub(super) fn new(
+        stems: &'a Stems,
+        form: &'a TrunkForm,
+        detail: &'a Detail,
+        bark_width: f32,
+    ) -> Self {
         let has_clones = stems.stems.iter().any(|stem| stem.clone_of.is_some());
         let n_joints = if has_clones { stems.segments.len() } else { 0 };
         // The foot, the ends of all segments, and some more on a trunk.
@@ -191,6 +198,7 @@ impl<'a> Tubes<'a> {
             sweep: Sweep::with_room(n_rings),
             rings: Vec::with_capacity(n_rings),
             ends: Vec::with_capacity(n_rings),
+            options: SweepOptions::default(),
             between: Vec::new(),
             joints: vec![None; n_joints],
             forks: if has_clones { Forks::of(stems) } else { Forks::default() },
@@ -219,7 +227,7 @@ impl<'a> Tubes<'a> {
     }
 
     /// Lays the tube of a stem and returns its number of triangles.
-    fn lay(&mut self, index: usize) -> usize {
+    pub(super) fn lay(&mut self, index: usize) -> usize {
         let stem = &self.stems.stems[index];
         let seed = &stem.seed;
         self.index = index;
@@ -236,13 +244,13 @@ impl<'a> Tubes<'a> {
         let (u, v) = place_on_bark(seed.frame.origin);
         let own_start = SweepStart { u, v, ..SweepStart::toward(seed.frame.axes.x_axis) };
         let is_trunk = seed.level == 0 && stem.clone_of.is_none();
-        let options = SweepOptions {
+        self.options = SweepOptions {
             start: joint.map_or(own_start, |joint| joint.start),
             around,
             base: if is_trunk && self.detail.closed_foot { Cap::Flat } else { Cap::Open },
             tip: Cap::Flat,
         };
-        let n = self.sweep.lay(&self.sections[self.section].1, &self.rings, &options);
+        let n = self.sweep.lay(&self.sections[self.section].1, &self.rings, &self.options);
         if !self.joints.is_empty() {
             self.keep_joints(stem);
             self.find_forks(index);
@@ -253,6 +261,11 @@ impl<'a> Tubes<'a> {
     /// Triangles that the tube last laid lacks because it forks.
     fn n_narrow(&self) -> usize {
         self.forks.on_tube().map(|(_, fork, tube)| fork.n_narrow(tube)).sum()
+    }
+
+    /// What the tube last laid is made of: its section, its rings and the rest.
+    pub(super) fn laid(&self) -> (&Section, &[Ring], &SweepOptions) {
+        (&self.sections[self.section].1, &self.rings, &self.options)
     }
 
     /// Adds the tube last laid.

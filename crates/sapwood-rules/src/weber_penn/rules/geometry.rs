@@ -1,10 +1,11 @@
 //! What trees look like: surfaces of stems, and leaves as instances.
 
+use std::convert::Infallible;
 use std::sync::{Arc, Mutex};
 
 use glam::{Affine3, Mat3};
-use sapwood_geom::{FixedMap, Shared, SharedMesh, fixed_state};
-use sapwood_graph::{Material, Shown};
+use sapwood_geom::{Content, Digester, FixedMap, Mesh, Shared, SharedMesh, fixed_state};
+use sapwood_graph::{Material, Offers, Shown, Solids};
 use sapwood_images::{LeafOutline, PaintedMaterial};
 use sapwood_scene::{Context, Held, MaterialSlot, Rule, RuleError, Slot, Style, StyleSlot};
 
@@ -13,24 +14,56 @@ use super::super::slots::{
     LeavesSlot, TrunkFormSlot,
 };
 use super::super::{
-    Leaf, LeafShape, Leaves, Species, Stem, StemSurface, TrunkForm, leaf_card, leaf_mesh, leaves,
-    surface,
+    Detail, Leaf, LeafShape, Leaves, Species, Stem, StemSurface, Stems, TrunkForm, closed_stems,
+    leaf_card, leaf_mesh, leaves, surface,
 };
 use super::skeleton::draw_stem_lines;
 
 /// Compiles stems into one mesh of tubes, or what else the style asks for.
 pub(super) struct StemSurfaceRule;
 
+/// What a surface was made of, for whoever wants its stems as solids.
+pub(super) struct Tubed {
+    stems: Shared<Stems>,
+    form: Arc<TrunkForm>,
+    detail: Arc<Detail>,
+    bark_width: f32,
+}
+
+impl Content for Tubed {
+    fn write(&self, digester: &mut Digester) {
+        let Self { stems, form, detail, bark_width } = self;
+        digester.add(stems).add(&**form).add(&**detail).add(bark_width);
+    }
+}
+
+impl Solids for Tubed {
+    fn solids(&self) -> Vec<Mesh> {
+        let Self { stems, form, detail, bark_width } = self;
+        let free = |_| Ok::<(), Infallible>(());
+        let Ok(solids) = closed_stems(stems, form, detail, *bark_width, free);
+        solids
+    }
+}
+
 impl Rule for StemSurfaceRule {
     type Component = StemSurface;
-    type Data = ();
+    /// Nothing where no surface was made.
+    type Data = Option<Tubed>;
     const NAME: &'static str = "weber_penn.stem_surface";
 
-    fn init(&self, of: &StemSurface, cx: &mut Context<'_>) -> Result<(), RuleError> {
+    fn interfaces(offers: &mut Offers<Self::Data>) {
+        offers.offer::<dyn Solids>(|tubed| match tubed {
+            Some(tubed) => tubed,
+            None => &Nothing,
+        });
+    }
+
+    fn init(&self, of: &StemSurface, cx: &mut Context<'_>) -> Result<Self::Data, RuleError> {
         let style = *cx.read::<StyleSlot>();
         if style == Style::Skeleton {
             draw_stem_lines(of, cx);
-            return Ok(());
+            return Ok(None);
         }
         let detail = cx.read::<DetailSlot>();
         let look = cx.read::<BarkLookSlot>();
@@ -50,7 +83,7 @@ impl Rule for StemSurfaceRule {
         };
         let mesh = surface(&of.stems, &form, &detail, look.width, charge)?;
         if mesh.is_empty() {
-            return Ok(());
+            return Ok(None);
         }
         match bark {
             Some(bark) => {
@@ -59,7 +92,16 @@ impl Rule for StemSurfaceRule {
             }
             None => cx.lines(Shared::new(mesh.edges())),
         }
-        Ok(())
+        Ok(Some(Tubed { stems: of.stems.clone(), form, detail, bark_width: look.width }))
+    }
+}
+
+/// No solids.
+struct Nothing;
+
+impl Solids for Nothing {
+    fn solids(&self) -> Vec<Mesh> {
+        Vec::new()
     }
 }
 

@@ -1,0 +1,484 @@
+//! Mending a closed surface whose corners were rounded: triangles that cross or degenerate since
+//! are few, small and local, and go by joining two corners, by turning an edge, or by moving a
+//! corner a few micrometres. Each step is taken only where fewer faults are left than before,
+//! counted exactly; edges stay manifold throughout.
+
+use glam::Vec3;
+use smallvec::SmallVec;
+
+use super::Solid;
+use crate::{Aabb, BoxTree, Purpose, Stream, StreamPath};
+
+/// Metres that a corner may be moved by, from the smallest step to the largest.
+const STEPS: [f32; 6] = [2e-6, 8e-6, 3e-5, 1e-4, 2e-4, 4e-4];
+
+/// Metres up to which an edge counts as short: its ends may be joined.
+const SHORT: f32 = 1e-3;
+
+/// From this round on what is left is stubborn: edges beside the triangles that are at fault are
+/// tried too, and steps that leave as many faults as there were are taken.
+const STUBBORN: usize = 6;
+
+/// Metres that the surface may move by where an edge is turned.
+const LARGEST_TURN: f64 = 3e-4;
+
+/// Times that the whole is looked through.
+const MOST_ROUNDS: usize = 60;
+
+/// How many changed triangles are looked through one by one before the tree is made again.
+const MOST_CHANGED: usize = 4096;
+
+type Few = SmallVec<[u32; 12]>;
+
+/// What mending did.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Mended {
+    /// Pairs of crossing triangles and degenerate triangles that were there.
+    pub faults: usize,
+    /// Edges whose ends were joined.
+    pub joined: usize,
+    /// Edges that were turned.
+    pub turned: usize,
+    /// Corners that were moved.
+    pub moved: usize,
+    /// Faults that could not be mended.
+    pub left: usize,
+}
+
+/// Mends `solid`, whose edges must be manifold; `sources` has a row for each triangle and keeps it.
+/// `goes_on` is asked now and then, and ends the work where it denies.
+pub(super) fn mend<S: Copy>(
+    solid: &mut Solid,
+    sources: &mut Vec<S>,
+    goes_on: &mut dyn FnMut() -> bool,
+) -> Option<Mended> {
+    let mut mended = Mended::default();
+    let mut suspects: Option<Vec<u32>> = None;
+    for round in 0..MOST_ROUNDS {
+        let mut table = Table::new(solid);
+        let faults = table.faults(suspects.as_deref(), goes_on)?;
+        if round == 0 {
+            mended.faults = faults.len();
+        }
+        mended.left = faults.len();
+        if faults.is_empty() {
+            break;
+        }
+        for fault in &faults {
+            if !goes_on() {
+                return None;
+            }
+            if table.still(fault) {
+                table.mend(fault, round, &mut mended);
+            }
+            if table.changed.len() > MOST_CHANGED {
+                break;
+            }
+        }
+        // What was sound and is as it was needs no second look, except beside what changed.
+        let mut again: Vec<u32> = table.changed.clone();
+        again.extend(faults.iter().flatten());
+        again.sort_unstable();
+        again.dedup();
+        suspects = Some(keep_living(solid, sources, again));
+    }
+    Some(mended)
+}
+
+/// Drops the triangles that died, and corners that nobody has; gives `suspects` their new numbers.
+fn keep_living<S: Copy>(solid: &mut Solid, sources: &mut Vec<S>, suspects: Vec<u32>) -> Vec<u32> {
+    let mut numbers = vec![u32::MAX; solid.triangles.len()];
+    let mut corners = vec![u32::MAX; solid.positions.len()];
+    let mut kept = Solid::default();
+    let mut kept_sources = Vec::with_capacity(sources.len());
+    for (old, triangle) in solid.triangles.iter().enumerate() {
+        if is_dead(*triangle) {
+            continue;
+        }
+        numbers[old] = kept.triangles.len() as u32;
+        kept_sources.push(sources[old]);
+        kept.triangles.push(triangle.map(|corner| {
+            let number = &mut corners[corner as usize];
+            if *number == u32::MAX {
+                *number = kept.positions.len() as u32;
+                kept.positions.push(solid.positions[corner as usize]);
+            }
+            *number
+        }));
+    }
+    *solid = kept;
+    *sources = kept_sources;
+    suspects.into_iter().map(|old| numbers[old as usize]).filter(|new| *new != u32::MAX).collect()
+}
+
+fn is_dead(triangle: [u32; 3]) -> bool {
+    triangle[0] == u32::MAX
+}
+
+/// A pair of triangles that cross, or twice a triangle that is degenerate.
+type Fault = [u32; 2];
+
+/// The solid under the knife.
+struct Table<'a> {
+    solid: &'a mut Solid,
+    /// The triangles of each corner.
+    around: Vec<Few>,
+    /// Over the triangles as they were at first.
+    tree: BoxTree,
+    boxes: Vec<Aabb>,
+    /// Triangles whose corners changed since, in no order.
+    changed: Vec<u32>,
+    is_changed: Vec<bool>,
+}
+
+/// What a step changed, to take it back.
+#[derive(Default)]
+struct Undo {
+    triangles: SmallVec<[(u32, [u32; 3]); 16]>,
+    corner: Option<(u32, Vec3)>,
+    /// How many triangles had changed before.
+    n_changed: usize,
+}
+
+impl<'a> Table<'a> {
+    fn new(solid: &'a mut Solid) -> Self {
+        let mut around = vec![Few::new(); solid.positions.len()];
+        for (number, triangle) in solid.triangles.iter().enumerate() {
+            for corner in triangle {
+                around[*corner as usize].push(number as u32);
+            }
+        }
+        let boxes: Vec<Aabb> = solid.boxes().collect();
+        let tree = BoxTree::new(boxes.iter().copied());
+        let is_changed = vec![false; boxes.len()];
+        Self { solid, around, tree, boxes, changed: Vec::new(), is_changed }
+    }
+
+    /// The faults of all triangles, or of some, in ascending order.
+    fn faults(&self, of: Option<&[u32]>, goes_on: &mut dyn FnMut() -> bool) -> Option<Vec<Fault>> {
+        let all: Vec<u32>;
+        let of = match of {
+            Some(of) => of,
+            None => {
+                all = (0..self.solid.triangles.len() as u32).collect();
+                &all
+            }
+        };
+        let mut faults = Vec::new();
+        for (i, triangle) in of.iter().enumerate() {
+            if i % 4096 == 0 && !goes_on() {
+                return None;
+            }
+            self.faults_of(*triangle, |other| {
+                faults.push([*triangle.min(&other), *triangle.max(&other)]);
+            });
+        }
+        faults.sort_unstable();
+        faults.dedup();
+        Some(faults)
+    }
+
+    /// Calls `each` with every triangle that this one crosses, and with itself if it is degenerate.
+    fn faults_of(&self, triangle: u32, mut each: impl FnMut(u32)) {
+        if is_dead(self.solid.triangles[triangle as usize]) {
+            return;
+        }
+        if self.solid.is_degenerate(triangle as usize) {
+            each(triangle);
+        }
+        let aabb = self.boxes[triangle as usize];
+        let mut look = |other: u32| {
+            if other != triangle
+                && aabb.intersects(&self.boxes[other as usize])
+                && !is_dead(self.solid.triangles[other as usize])
+                && self.solid.do_cross(triangle as usize, other as usize)
+            {
+                each(other);
+            }
+        };
+        self.tree.within(&aabb, |other| {
+            if !self.is_changed[other as usize] {
+                look(other);
+            }
+        });
+        self.changed.iter().copied().for_each(look);
+    }
+
+    /// Whether a fault found earlier is there still.
+    fn still(&self, [one, other]: &Fault) -> bool {
+        let [a, b] = [*one as usize, *other as usize];
+        if is_dead(self.solid.triangles[a]) || is_dead(self.solid.triangles[b]) {
+            return false;
+        }
+        if a == b { self.solid.is_degenerate(a) } else { self.solid.do_cross(a, b) }
+    }
+
+    /// The number of faults that the triangles have, pairs among them counted once.
+    fn cost(&self, triangles: &[u32]) -> usize {
+        let mut n = 0;
+        for triangle in triangles {
+            self.faults_of(*triangle, |other| {
+                n += usize::from(other >= *triangle || !triangles.contains(&other));
+            });
+        }
+        n
+    }
+
+    /// Takes the first step that leaves fewer faults.
+    fn mend(&mut self, fault: &Fault, round: usize, mended: &mut Mended) {
+        let is_stubborn = round >= STUBBORN;
+        let triangles = fault.map(|triangle| self.solid.triangles[triangle as usize]);
+        let mut near: Few = Few::from_slice(fault);
+        if is_stubborn {
+            near.extend(
+                triangles
+                    .iter()
+                    .flatten()
+                    .flat_map(|corner| &self.around[*corner as usize])
+                    .copied(),
+            );
+            near.sort_unstable();
+            near.dedup();
+        }
+        let mut edges: SmallVec<[[u32; 2]; 6]> = SmallVec::new();
+        for triangle in &near {
+            let [a, b, c] = self.solid.triangles[*triangle as usize];
+            for [from, to] in [[a, b], [b, c], [c, a]] {
+                let edge = [from.min(to), from.max(to)];
+                if !edges.contains(&edge) {
+                    edges.push(edge);
+                }
+            }
+        }
+        let length = |[a, b]: &[u32; 2]| {
+            self.solid.positions[*a as usize].distance(self.solid.positions[*b as usize])
+        };
+        let mut lengths: SmallVec<[(f32, [u32; 2]); 6]> =
+            edges.iter().map(|edge| (length(edge), *edge)).collect();
+        lengths.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        for (length, [a, b]) in &lengths {
+            if *length <= SHORT && (self.join(*a, *b) || self.join(*b, *a)) {
+                mended.joined += 1;
+                return;
+            }
+        }
+        for (_, [a, b]) in lengths.iter().rev() {
+            if self.turn(*a, *b) {
+                mended.turned += 1;
+                return;
+            }
+        }
+        let path = StreamPath::new(u64::from(fault[0])).child(u64::from(fault[1]));
+        let mut stream = Stream::new(path.child(round as u64), Purpose("mend"));
+        let mut corners: SmallVec<[u32; 6]> = triangles.iter().flatten().copied().collect();
+        corners.sort_unstable();
+        corners.dedup();
+        let largest = STEPS.len().min(2 + round / 2);
+        let n_tries = if is_stubborn { 12 } else { 4 };
+        for step in &STEPS[..largest] {
+            for corner in &corners {
+                for _ in 0..n_tries {
+                    let way = Vec3::from_array([(); 3].map(|()| stream.between(-1.0, 1.0)));
+                    if self.shift(*corner, way * *step, 0) {
+                        mended.moved += 1;
+                        return;
+                    }
+                }
+            }
+        }
+        // A way out of where no single step helps.
+        if is_stubborn && !corners.is_empty() {
+            let corner = corners[(stream.unit() * corners.len() as f32) as usize % corners.len()];
+            let way = Vec3::from_array([(); 3].map(|()| stream.between(-1.0, 1.0)));
+            let step = STEPS[round % STEPS.len()];
+            mended.moved += usize::from(self.shift(corner, way * step, 1));
+        }
+    }
+
+    /// Joins corner `from` to corner `to` of one edge, if that leaves fewer faults.
+    fn join(&mut self, from: u32, to: u32) -> bool {
+        let (mut dying, mut staying) = (Few::new(), Few::new());
+        for triangle in &self.around[from as usize] {
+            let has_to = self.solid.triangles[*triangle as usize].contains(&to);
+            if has_to { dying.push(*triangle) } else { staying.push(*triangle) }
+        }
+        if dying.len() != 2 || staying.is_empty() {
+            return false;
+        }
+        // The two corners may have no neighbours in common but those beside their edge.
+        let neighbours = |corner: u32| {
+            let mut found: SmallVec<[u32; 24]> = self.around[corner as usize]
+                .iter()
+                .flat_map(|triangle| self.solid.triangles[*triangle as usize])
+                .filter(|other| *other != corner)
+                .collect();
+            found.sort_unstable();
+            found.dedup();
+            found
+        };
+        let (ours, theirs) = (neighbours(from), neighbours(to));
+        if ours.iter().filter(|corner| theirs.binary_search(corner).is_ok()).count() != 2 {
+            return false;
+        }
+        let mut touched = dying.clone();
+        touched.extend_from_slice(&staying);
+        let before = self.cost(&touched);
+        let mut undo = Undo { n_changed: self.changed.len(), ..Undo::default() };
+        for triangle in &dying {
+            self.set(*triangle, [u32::MAX; 3], &mut undo);
+        }
+        for triangle in &staying {
+            let corners = self.solid.triangles[*triangle as usize];
+            let joined = corners.map(|corner| if corner == from { to } else { corner });
+            self.set(*triangle, joined, &mut undo);
+        }
+        self.settle(&touched, before, undo)
+    }
+
+    /// Turns the edge between two triangles into the other diagonal, if that leaves fewer faults.
+    fn turn(&mut self, a: u32, b: u32) -> bool {
+        let beside: Few = self.around[a as usize]
+            .iter()
+            .copied()
+            .filter(|triangle| self.solid.triangles[*triangle as usize].contains(&b))
+            .collect();
+        let &[one, other] = &beside[..] else { return false };
+        let apex = |triangle: u32| {
+            let corners = self.solid.triangles[triangle as usize];
+            corners.into_iter().find(|corner| *corner != a && *corner != b)
+        };
+        let (Some(over), Some(under)) = (apex(one), apex(other)) else { return false };
+        let is_edge = self.around[over as usize]
+            .iter()
+            .any(|triangle| self.solid.triangles[*triangle as usize].contains(&under));
+        if over == under || is_edge {
+            return false;
+        }
+        // The triangle that goes from a to b, and the one that goes back.
+        let goes = |triangle: u32| {
+            let [p, q, r] = self.solid.triangles[triangle as usize];
+            [[p, q], [q, r], [r, p]].contains(&[a, b])
+        };
+        let (left, right) = if goes(one) { (over, under) } else { (under, over) };
+        if goes(one) == goes(other) {
+            return false;
+        }
+        // The surface moves by no more than the height of the body between the two diagonals.
+        let [p, q, r, s] =
+            [a, b, over, under].map(|corner| self.solid.positions[corner as usize].as_dvec3());
+        let six_volumes = (q - p).dot((r - p).cross(s - p)).abs();
+        let faces = [(p, q, r), (p, q, s), (r, s, p), (r, s, q)];
+        let largest = faces.map(|(a, b, c)| (b - a).cross(c - a).length());
+        let largest = largest.into_iter().fold(0.0, f64::max);
+        if six_volumes > LARGEST_TURN * largest {
+            return false;
+        }
+        let before = self.cost(&beside);
+        let mut undo = Undo { n_changed: self.changed.len(), ..Undo::default() };
+        self.set(one, [a, right, left], &mut undo);
+        self.set(other, [right, b, left], &mut undo);
+        self.settle(&beside, before, undo)
+    }
+
+    /// Moves a corner, if that leaves fewer faults, or so many more than that less one.
+    fn shift(&mut self, corner: u32, by: Vec3, allowed: usize) -> bool {
+        let touched = self.around[corner as usize].clone();
+        let before = self.cost(&touched) + allowed;
+        let position = self.solid.positions[corner as usize];
+        let corner_before = Some((corner, position));
+        let n_changed = self.changed.len();
+        let undo = Undo { corner: corner_before, n_changed, ..Undo::default() };
+        self.solid.positions[corner as usize] = position + by;
+        self.rebox(&touched);
+        self.settle(&touched, before, undo)
+    }
+
+    /// Keeps what was done to `touched` if fewer faults are left, or takes it back.
+    fn settle(&mut self, touched: &[u32], before: usize, undo: Undo) -> bool {
+        if self.cost(touched) < before {
+            return true;
+        }
+        let mut none = Undo::default();
+        for (triangle, corners) in undo.triangles.into_iter().rev() {
+            self.set(triangle, corners, &mut none);
+        }
+        if let Some((corner, position)) = undo.corner {
+            self.solid.positions[corner as usize] = position;
+        }
+        self.rebox(touched);
+        // Those that changed for this step only are as they were.
+        for triangle in self.changed.drain(undo.n_changed..) {
+            self.is_changed[triangle as usize] = false;
+        }
+        false
+    }
+
+    /// Gives a triangle other corners.
+    fn set(&mut self, triangle: u32, corners: [u32; 3], undo: &mut Undo) {
+        let old = std::mem::replace(&mut self.solid.triangles[triangle as usize], corners);
+        undo.triangles.push((triangle, old));
+        if !is_dead(old) {
+            for corner in old {
+                self.around[corner as usize].retain(|number| *number != triangle);
+            }
+        }
+        if !is_dead(corners) {
+            for corner in corners {
+                self.around[corner as usize].push(triangle);
+            }
+            self.rebox(&[triangle]);
+        }
+    }
+
+    /// Measures triangles again that changed.
+    fn rebox(&mut self, triangles: &[u32]) {
+        for triangle in triangles {
+            let number = *triangle as usize;
+            if !is_dead(self.solid.triangles[number]) {
+                self.boxes[number] = Aabb::of_points(self.solid.corners(number));
+            }
+            if !std::mem::replace(&mut self.is_changed[number], true) {
+                self.changed.push(*triangle);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shapes::sphere;
+
+    #[test]
+    fn what_was_pushed_a_little_is_mended() {
+        let mut solid = Solid::of_mesh(&sphere(4));
+        let before = solid.volume();
+        let mut stream = Stream::new(StreamPath::new(3), Purpose("pushes"));
+        // Short edges whose corners change places: the triangles around them fold.
+        for _ in 0..30 {
+            let triangle = (stream.unit() * solid.triangles.len() as f32) as usize;
+            let [a, b, c] = solid.triangles[triangle].map(|corner| corner as usize);
+            let (p, q) = (solid.positions[a], solid.positions[b]);
+            solid.positions[a] = q.lerp(p, 4e-3);
+            solid.positions[b] = q.lerp(solid.positions[c], 2e-3);
+        }
+        assert!(solid.check().crossings > 0, "{}", solid.check());
+        let mut sources: Vec<usize> = (0..solid.triangles.len()).collect();
+        let mended = mend(&mut solid, &mut sources, &mut || true).unwrap();
+        assert!(mended.faults > 0 && mended.left == 0, "{mended:?}");
+        let report = solid.check();
+        assert!(report.is_sound() && report.components == 1, "{report}");
+        assert!((report.volume / before - 1.0).abs() < 0.01);
+        assert_eq!(sources.len(), solid.triangles.len());
+        assert!(mend(&mut solid, &mut sources, &mut || false).is_none());
+    }
+
+    #[test]
+    fn a_sound_solid_stays_as_it_is() {
+        let solid = Solid::of_mesh(&sphere(3));
+        let mut mended = solid.clone();
+        let mut sources = vec![(); solid.triangles.len()];
+        assert_eq!(mend(&mut mended, &mut sources, &mut || true), Some(Mended::default()));
+        assert_eq!(mended, solid);
+    }
+}
