@@ -23,10 +23,10 @@ const STUBBORN: usize = 6;
 const LARGEST_TURN: f64 = 3e-4;
 
 /// Times that the whole is looked through.
-const MOST_ROUNDS: usize = 60;
+const MOST_ROUNDS: usize = 400;
 
 /// How many changed triangles are looked through one by one before the tree is made again.
-const MOST_CHANGED: usize = 4096;
+const MOST_CHANGED: usize = 1024;
 
 type Few = SmallVec<[u32; 12]>;
 
@@ -52,15 +52,10 @@ pub(super) fn mend<S: Copy>(
     sources: &mut Vec<S>,
     goes_on: &mut dyn FnMut() -> bool,
 ) -> Option<Mended> {
-    let mut mended = Mended::default();
-    let mut suspects: Option<Vec<u32>> = None;
+    let mut table = Table::new(solid);
+    let mut faults = table.faults(None, goes_on)?;
+    let mut mended = Mended { faults: faults.len(), ..Mended::default() };
     for round in 0..MOST_ROUNDS {
-        let mut table = Table::new(solid);
-        let faults = table.faults(suspects.as_deref(), goes_on)?;
-        if round == 0 {
-            mended.faults = faults.len();
-        }
-        mended.left = faults.len();
         if faults.is_empty() {
             break;
         }
@@ -71,23 +66,23 @@ pub(super) fn mend<S: Copy>(
             if table.still(fault) {
                 table.mend(fault, round, &mut mended);
             }
-            if table.changed.len() > MOST_CHANGED {
-                break;
-            }
         }
         // What was sound and is as it was needs no second look, except beside what changed.
-        let mut again: Vec<u32> = table.changed.clone();
-        again.extend(faults.iter().flatten());
-        again.sort_unstable();
-        again.dedup();
-        suspects = Some(keep_living(solid, sources, again));
+        let mut suspects = std::mem::take(&mut table.touched);
+        suspects.extend(faults.iter().flatten());
+        suspects.sort_unstable();
+        suspects.dedup();
+        faults = table.faults(Some(&suspects), goes_on)?;
+    }
+    mended.left = faults.len();
+    if mended.joined + mended.turned + mended.moved > 0 {
+        keep_living(solid, sources);
     }
     Some(mended)
 }
 
-/// Drops the triangles that died, and corners that nobody has; gives `suspects` their new numbers.
-fn keep_living<S: Copy>(solid: &mut Solid, sources: &mut Vec<S>, suspects: Vec<u32>) -> Vec<u32> {
-    let mut numbers = vec![u32::MAX; solid.triangles.len()];
+/// Drops the triangles that died, and corners that nobody has.
+fn keep_living<S: Copy>(solid: &mut Solid, sources: &mut Vec<S>) {
     let mut corners = vec![u32::MAX; solid.positions.len()];
     let mut kept = Solid::default();
     let mut kept_sources = Vec::with_capacity(sources.len());
@@ -95,7 +90,6 @@ fn keep_living<S: Copy>(solid: &mut Solid, sources: &mut Vec<S>, suspects: Vec<u
         if is_dead(*triangle) {
             continue;
         }
-        numbers[old] = kept.triangles.len() as u32;
         kept_sources.push(sources[old]);
         kept.triangles.push(triangle.map(|corner| {
             let number = &mut corners[corner as usize];
@@ -108,7 +102,6 @@ fn keep_living<S: Copy>(solid: &mut Solid, sources: &mut Vec<S>, suspects: Vec<u
     }
     *solid = kept;
     *sources = kept_sources;
-    suspects.into_iter().map(|old| numbers[old as usize]).filter(|new| *new != u32::MAX).collect()
 }
 
 fn is_dead(triangle: [u32; 3]) -> bool {
@@ -123,11 +116,13 @@ struct Table<'a> {
     solid: &'a mut Solid,
     /// The triangles of each corner.
     around: Vec<Few>,
-    /// Over the triangles as they were at first.
+    /// Over the triangles as they were when it was made.
     tree: BoxTree,
     boxes: Vec<Aabb>,
-    /// Triangles whose corners changed since, in no order.
+    /// Triangles whose corners changed since the tree was made, in no order.
     changed: Vec<u32>,
+    /// Triangles that steps were taken on, some of them several times.
+    touched: Vec<u32>,
     is_changed: Vec<bool>,
 }
 
@@ -151,7 +146,7 @@ impl<'a> Table<'a> {
         let boxes: Vec<Aabb> = solid.boxes().collect();
         let tree = BoxTree::new(boxes.iter().copied());
         let is_changed = vec![false; boxes.len()];
-        Self { solid, around, tree, boxes, changed: Vec::new(), is_changed }
+        Self { solid, around, tree, boxes, changed: Vec::new(), touched: Vec::new(), is_changed }
     }
 
     /// The faults of all triangles, or of some, in ascending order.
@@ -396,6 +391,10 @@ impl<'a> Table<'a> {
     /// Keeps what was done to `touched` if fewer faults are left, or takes it back.
     fn settle(&mut self, touched: &[u32], before: usize, undo: Undo) -> bool {
         if self.cost(touched) < before {
+            self.touched.extend_from_slice(touched);
+            if self.changed.len() > MOST_CHANGED {
+                self.plant();
+            }
             return true;
         }
         let mut none = Undo::default();
@@ -411,6 +410,16 @@ impl<'a> Table<'a> {
             self.is_changed[triangle as usize] = false;
         }
         false
+    }
+
+    /// Makes the tree again.
+    fn plant(&mut self) {
+        let dead = |number: usize| is_dead(self.solid.triangles[number]);
+        let boxes = self.boxes.iter().enumerate();
+        self.tree = BoxTree::new(boxes.map(|(i, aabb)| if dead(i) { Aabb::EMPTY } else { *aabb }));
+        for triangle in self.changed.drain(..) {
+            self.is_changed[triangle as usize] = false;
+        }
     }
 
     /// Gives a triangle other corners.
