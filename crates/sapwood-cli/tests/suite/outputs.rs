@@ -139,6 +139,7 @@ fn the_summary_may_be_json() {
         "leaves",
         "vertices",
         "triangles",
+        "weld",
         "bounds",
         "seconds",
         "outputs",
