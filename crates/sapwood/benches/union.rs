@@ -23,7 +23,7 @@ fn main() {
     println!("species, stems, triangles before, after, seconds, mended, tips, volume");
     for name in sapwood::io::built_in_names() {
         if wanted.is_empty() || wanted.iter().any(|wanted| *wanted == *name) {
-            let species = sapwood::io::find_species(&name).expect("the species is built in");
+            let species = sapwood::io::find_species(name).expect("the species is built in");
             println!("{name}, {}", row(&Wood::of(&species)));
         }
     }
