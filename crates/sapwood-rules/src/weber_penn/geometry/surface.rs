@@ -111,9 +111,8 @@ impl Detail {
 /// shares its vertices: there the ring forks ([`Fork`](sapwood_geom::Fork)), and every edge has a
 /// triangle on either side. Where that cannot be (the clone turns back, the ring is next to a
 /// point) it starts with a ring of its own. Every stem is `charge`d with its number of triangles
-/// before any of them is made; the first refusal
-/// ends the work and is returned. The radius is the taper's, for trunks times the factors of
-/// `form` and around the stem its lobes.
+/// before any of them is made; the first refusal ends the work and is returned. The radius is the
+/// taper's, for trunks times the factors of `form` and around the stem its lobes.
 ///
 /// `bark_width` is the width in metres of one repeat of the bark's texture. A stem takes the whole
 /// number of repeats around that comes nearest at its base, and keeps it; a stem too thin for
