@@ -107,3 +107,46 @@ impl Inward<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec2;
+
+    use super::*;
+    use crate::{Cap, Fork, Ring, SweepOptions};
+
+    /// A tube from a foot of some radius, and another that leaves it at its second ring.
+    fn forked(foot: f32, tip: f32) -> Mesh {
+        let section = Section::round(7);
+        let ring = |x, z, radius| Ring { center: Vec3::new(x, 0.0, z), radius };
+        let trunk = [ring(0.0, 0.0, foot), ring(0.0, 1.0, 0.2), ring(-0.5, 2.0, tip)];
+        let options = SweepOptions { base: Cap::Flat, ..SweepOptions::default() };
+        let fork = Fork::new(&section, &[Vec2::NEG_X, Vec2::X]).unwrap();
+        let (mut mesh, mut vertices) = (Mesh::default(), Vec::new());
+        let mut sweep = Sweep::default();
+        let mut n = sweep.lay(&section, &trunk, &options);
+        let start = sweep.start_at(1).unwrap();
+        let mut forking = Forking { ring: 1, fork: &fork, tube: 0, vertices: None };
+        sweep.write_forking(&section, &[forking], &mut mesh, &mut vertices);
+        let clone = [trunk[1], ring(0.6, 2.0, tip)];
+        n += sweep.lay(&section, &clone, &SweepOptions { start, ..SweepOptions::default() });
+        forking = Forking { ring: 0, fork: &fork, tube: 1, vertices: Some(vertices[0]) };
+        sweep.write_forking(&section, &[forking], &mut mesh, &mut vertices);
+        assert_eq!(vertices[0], vertices[1]);
+        assert_eq!(mesh.n_triangles(), n - fork.n_narrow(0) - fork.n_narrow(1));
+        mesh
+    }
+
+    #[test]
+    fn forked_tubes_are_closed() {
+        for (foot, tip) in [(0.2, 0.1), (0.2, 0.0), (0.0, 0.1), (0.0, 0.0)] {
+            let mesh = forked(foot, tip);
+            assert_eq!((mesh.fault(), mesh.n_open_edges()), (None, 0), "{foot} {tip}");
+            for t in mesh.indices.chunks_exact(3) {
+                let [a, b, c] = [t[0], t[1], t[2]].map(|i| mesh.positions[i as usize]);
+                let face = (b - a).cross(c - a);
+                assert!(t.iter().all(|i| face.dot(mesh.normals[*i as usize]) > 0.0));
+            }
+        }
+    }
+}

@@ -70,7 +70,9 @@ impl Sweep {
                 (_, before) => self.write_ring(section, before, laid, mesh),
             }
             if let Some(parted) = forking.next_if(|f| self.rows.get(f.ring) == Some(&row)) {
-                let ring = parted.vertices.unwrap_or(start);
+                // Those of a point that the tube opens from may come before the ring's.
+                let own = || mesh.positions.len() as u32 - (section.n_sides() + 1);
+                let ring = parted.vertices.unwrap_or_else(own);
                 vertices.push(ring);
                 inward = Some(self.turn_inward(section, laid, parted, ring, mesh));
             }
