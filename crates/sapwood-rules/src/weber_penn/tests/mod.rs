@@ -45,7 +45,14 @@ fn charged<E>(
             let form = (n == 1).then_some(&form);
             seeds = children(&grown[n - 1], &crown, form, &levels[n.min(3)], charge)?;
         }
-        grown.push(grow(&seeds, &crown, &levels[n.min(3)], &species.attraction_target, charge)?);
+        let (level, target) = (&levels[n.min(3)], &species.attraction_target);
+        let limit = seeds.first().and_then(|seed| Limit::of_species(&crown, seed.scale_tree));
+        if let Some(limit) = limit {
+            let shares = fit(&seeds, &crown, level, target, &limit, charge)?;
+            let both = seeds.iter().zip(shares);
+            seeds = both.filter_map(|(seed, share)| seed.shortened(share, &crown)).collect();
+        }
+        grown.push(grow(&seeds, &crown, level, target, charge)?);
     }
     let params = LeafParams::new(species);
     let leaves = match grown.last() {

@@ -65,6 +65,19 @@ pub(super) const TREE: &[Case] = &[
         // The three share the children that one had.
         assert!((c.branches().len() as i32 - 20).abs() <= 3);
     }),
+    ("pruning.ratio", 0.9, |c| {
+        assert_eq!(c.before.levels[0], c.after.levels[0]);
+        let shares = c.branches().iter().map(|stem| {
+            let whole =
+                c.before.levels[1].stems.iter().find(|whole| whole.seed.path == stem.seed.path);
+            stem.seed.length / whole.unwrap().seed.length
+        });
+        let shares: Vec<f32> = shares.collect();
+        // What is given up keeps the tenth that the ratio leaves it.
+        assert_eq!(shares.len(), c.before.levels[1].stems.len());
+        assert!(shares.iter().all(|share| (0.0999..=1.0).contains(share)), "{shares:?}");
+        assert!(shares.iter().any(|share| *share < 0.99), "{shares:?}");
+    }),
     ("pruning.width_peak", 0.3, |c| check_envelope(c)),
     ("pruning.power_low", 2.0, |c| check_envelope(c)),
     ("pruning.power_high", 2.0, |c| check_envelope(c)),
