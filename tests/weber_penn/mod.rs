@@ -5,6 +5,7 @@ mod compiles;
 mod counts;
 mod cutting;
 mod extremes;
+mod fading;
 mod foreseen;
 mod looks;
 mod pruning;

@@ -33,6 +33,7 @@ Examples:
   sapwood grow weeping_willow --levels 2 --json
   sapwood grow quaking_aspen --weld stem -o welded.glb
   sapwood grow quaking_aspen --weld union -o solid.obj
+  sapwood grow quaking_aspen --range 120 -o far.glb -o far.png
   sapwood grow palm -o palm.png --size 600x800 --ground --sun 1,0.5,0.3
   sapwood grow apple -o turn.png --turntable 24 --samples 4 --transparent";
 
@@ -183,6 +184,17 @@ pub(crate) struct GrowArguments {
     /// Weld the wood before it is written; not with --cut
     #[arg(long, value_enum, conflicts_with = "cut")]
     pub(crate) weld: Option<Weld>,
+    /// Draw what is left of the tree at this distance, in metres, as the paper has trees fade: fewer
+    /// leaves and branches, lines for tubes and triangles for leaves. Pictures are taken from there,
+    /// through a lens that has all of the tree in view unless --fov is given
+    #[arg(
+        long,
+        value_name = "METRES",
+        value_parser = metres,
+        allow_negative_numbers = true,
+        conflicts_with_all = ["eye", "target", "orthographic", "turntable", "cut", "weld"]
+    )]
+    pub(crate) range: Option<f32>,
     /// Tell what was grown as one JSON object instead of a table; the README has its keys
     #[arg(long)]
     pub(crate) json: bool,
@@ -366,6 +378,10 @@ fn levels(text: &str) -> Result<u32, String> {
 
 fn share(text: &str) -> Result<f32, String> {
     accepted(text.parse().ok(), |share| (0.0..=1.0).contains(share), "0 to 1")
+}
+
+fn metres(text: &str) -> Result<f32, String> {
+    accepted(text.parse().ok(), |range| *range >= 0.1 && *range <= 1e6, "0.1 to 1000000")
 }
 
 fn quality(text: &str) -> Result<f32, String> {

@@ -10,14 +10,14 @@ use std::io::Write;
 use std::time::{Duration, Instant};
 
 use sapwood::geom::Aabb;
-use sapwood::geom::glam::Affine3;
-use sapwood::graph::{DrawList, Prune};
+use sapwood::geom::glam::{Affine3, Vec3};
+use sapwood::graph::{DrawList, Eye, Prune};
 use sapwood::io::{FileSet, Shape};
 use sapwood::rules::weber_penn::prune_handlers;
-use sapwood::scene::{Attribute, Handle, RuleSet, Scene, Style, ViewError, ViewId};
+use sapwood::scene::{Attribute, Handle, RuleSet, Scene, Style, ViewError, ViewId, Viewer};
 use tracing::{Level, info};
 
-use crate::arguments::{Detail, GrowArguments, Individual, TreeArguments, Weld};
+use crate::arguments::{Detail, GrowArguments, Individual, Weld};
 use crate::failure::Failure;
 use crate::picture::{self, Extent, Order, Toll, Track};
 use crate::tree;
@@ -55,14 +55,22 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
     let mut scene = Scene::new();
     scene.set_logging(tracing::enabled!(Level::DEBUG));
     let root = tree::planted(&mut scene, &species, individual, of)?;
-    let rules = match arguments.weld {
-        None | Some(Weld::Union) => tree::rules(of),
-        Some(Weld::Stem) => sapwood::segment_rules(),
+    let rules = match (arguments.weld, arguments.range) {
+        (None | Some(Weld::Union), None) => tree::rules(of),
+        (Some(Weld::Stem), None) => sapwood::segment_rules(),
+        (_, Some(_)) => sapwood::fading_rules(),
     };
     let (view, bounds) =
         steps.time("compile", || tree::compiled(&mut scene, root, &rules, of, watch))?;
     let census = Census::of(&mut scene, view, species.levels)?;
     let components = scene.count(view)?.components;
+    let foot = match individual {
+        Individual::At(place) => Vec3::from(place),
+        Individual::Seed(_) => Vec3::ZERO,
+    };
+    if let Some(range) = arguments.range {
+        scene.set_moving::<Viewer>(view, Some(Eye::new(foot + Vec3::Z * range)))?;
+    }
     let mut list = steps.time("draw list", || drawn(&mut scene, view, cut.as_ref()))?;
     let mut bounds = bounds.aabb;
     if cut.is_some() {
@@ -91,7 +99,8 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
     // Everything is compiled before the first file is written.
     let wants_svg = arguments.output.iter().any(|o| o.format() == Format::List(ListFormat::Svg));
     let mut lines = None;
-    if has_surfaces && wants_svg {
+    // Of a tree that fades, the lines are drawn that are left.
+    if has_surfaces && wants_svg && arguments.range.is_none() {
         let rules = sapwood::skeleton_rules();
         lines = Some(steps.time("compile skeleton", || {
             let (view, _) = tree::compiled(&mut scene, root, &rules, of, watch)?;
@@ -116,11 +125,8 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
         } else {
             Grown { scene: &mut scene, root, rules: &rules, view }
         };
-        let foot = match individual {
-            Individual::At([_, y, _]) => y,
-            Individual::Seed(_) => 0.0,
-        };
-        let mut extent = Extent::of_box(bounds, foot);
+        let order = &order.clone().at_range(arguments.range, foot);
+        let mut extent = Extent::of_box(bounds, foot.y);
         if order.is_turned() {
             extent = extent.tightened(&list);
         }
@@ -131,7 +137,7 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
     files.commit()?;
 
     let species = if species.name.is_empty() { of.species.clone() } else { species.name };
-    let title = title(&species, individual, of);
+    let title = title(&species, individual, arguments);
     let phases = steps.0;
     Ok(Summary {
         species,
@@ -266,6 +272,11 @@ fn check_outputs(arguments: &GrowArguments) -> Result<Option<Order>, Failure> {
             file.display()
         )));
     }
+    if arguments.tree.detail == Detail::Skeleton && arguments.range.is_some() {
+        return Err(Failure::usage(
+            "--range: a skeleton does not fade (accepted: with --detail full or draft)".to_owned(),
+        ));
+    }
     let pictures = || arguments.output.iter().filter(|output| output.format() == Format::Png);
     if pictures().next().is_none() {
         let in_vain = arguments.picture.given().or(turns.map(|_| "--turntable"));
@@ -289,7 +300,8 @@ fn check_outputs(arguments: &GrowArguments) -> Result<Option<Order>, Failure> {
     Ok(Some(order))
 }
 
-fn title(name: &str, individual: Individual, arguments: &TreeArguments) -> String {
+fn title(name: &str, individual: Individual, arguments: &GrowArguments) -> String {
+    let GrowArguments { tree: arguments, range, .. } = arguments;
     let detail = match arguments.detail {
         Detail::Full => "",
         Detail::Draft => ", draft",
@@ -301,9 +313,12 @@ fn title(name: &str, individual: Individual, arguments: &TreeArguments) -> Strin
         quality => format!(", quality {quality}"),
     };
     let held = if arguments.prune.is_empty() { "" } else { ", pruned" };
+    let range = range.map_or_else(String::new, |range| format!(", from {range} m"));
     match individual {
-        Individual::At([x, y, z]) => format!("{name} at {x}, {y}, {z}{detail}{quality}{held}"),
-        Individual::Seed(seed) => format!("{name}, seed {seed}{detail}{quality}{held}"),
+        Individual::At([x, y, z]) => {
+            format!("{name} at {x}, {y}, {z}{detail}{quality}{held}{range}")
+        }
+        Individual::Seed(seed) => format!("{name}, seed {seed}{detail}{quality}{held}{range}"),
     }
 }
 
@@ -398,6 +413,25 @@ mod tests {
             assert!(error.contains("code: 2"), "{error}");
             assert!(error.contains("has 3 levels of stems (accepted: 1 to 3)"), "{error}");
         }
+    }
+
+    #[test]
+    fn less_is_left_of_a_tree_that_is_further_away() {
+        let triangles = |line: &str| -> u64 {
+            let table = sizes(line);
+            let row = table.lines().find(|line| line.starts_with("triangles")).unwrap();
+            row.split_whitespace().last().unwrap().replace(',', "").parse().unwrap()
+        };
+        let near = triangles("quaking_aspen --range 5");
+        assert_eq!(near, triangles("quaking_aspen"));
+        let left =
+            [60, 240, 1200].map(|range| triangles(&format!("quaking_aspen --range {range}")));
+        assert!(near > left[0] && left[0] > left[1] && left[1] > left[2], "{near} {left:?}");
+        assert!(
+            sizes("quaking_aspen --range 60").starts_with("Quaking Aspen, seed 0, from 60 m\n")
+        );
+        let error = grown("quaking_aspen --detail skeleton --range 60").unwrap_err();
+        assert!(error.contains("code: 2") && error.contains("does not fade"), "{error}");
     }
 
     #[test]

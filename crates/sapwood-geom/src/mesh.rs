@@ -1,6 +1,6 @@
 //! Indexed triangle meshes.
 
-use std::ops::Deref;
+use std::ops::{Deref, Range};
 use std::sync::OnceLock;
 
 use glam::{Affine3, Vec2, Vec3};
@@ -64,6 +64,26 @@ impl Mesh {
             let [a, b, c] = [triangle[0] + first, triangle[1] + first, triangle[2] + first];
             self.indices.extend(if mirrors { [a, c, b] } else { [a, b, c] });
         }
+    }
+
+    /// Some of the triangles, in their order, with the vertices that they need.
+    ///
+    /// # Panics
+    /// Where an index has no vertex, or there are fewer triangles.
+    pub fn part(&self, triangles: Range<u32>) -> Self {
+        let indices = &self.indices[3 * triangles.start as usize..3 * triangles.end as usize];
+        let mut is_used = vec![false; self.n_vertices()];
+        indices.iter().for_each(|index| is_used[*index as usize] = true);
+        let mut part = Self::default();
+        let mut numbers = vec![0; self.n_vertices()];
+        for vertex in (0..self.n_vertices()).filter(|vertex| is_used[*vertex]) {
+            numbers[vertex] = part.positions.len() as u32;
+            part.positions.push(self.positions[vertex]);
+            part.normals.push(self.normals[vertex]);
+            part.uvs.push(self.uvs[vertex]);
+        }
+        part.indices = indices.iter().map(|index| numbers[*index as usize]).collect();
+        part
     }
 
     /// Why nobody could draw or pick the mesh, in words, or nothing where it is sound: lengths
@@ -273,6 +293,20 @@ mod tests {
         let [a, b, c] = [0, 1, 2].map(|i| mesh.positions[mesh.indices[i] as usize]);
         assert!((b - a).cross(c - a).dot(mesh.normals[0]) > 0.0);
         assert_eq!(mesh.fault(), None);
+    }
+
+    #[test]
+    fn parts_of_a_mesh_have_their_own_vertices_alone() {
+        let mut mesh = Mesh::default();
+        for x in 0..3 {
+            mesh.append(&triangle(), &Affine3::from_translation(Vec3::X * x as f32));
+        }
+        mesh.indices.extend([0, 4, 8]);
+        let (part, one) = (mesh.part(1..2), mesh.part(3..4));
+        assert_eq!((part.n_vertices(), &*part.indices), (3, &[0, 1, 2][..]));
+        assert_eq!(part.positions, mesh.positions[3..6]);
+        assert_eq!([0, 1, 2].map(|i| one.positions[i]), [0, 4, 8].map(|i| mesh.positions[i]));
+        assert_eq!(mesh.part(0..0), Mesh::default());
     }
 
     #[test]

@@ -3,6 +3,8 @@
 //! The test of a triangle leaves no gap between triangles that share an edge (S. Woop, C.
 //! Benthin, I. Wald: "Watertight Ray/Triangle Intersection", JCGT 2013, here in `f64`).
 
+use std::ops::Range;
+
 use glam::{DAffine3, DVec3, Vec3};
 
 use crate::{Aabb, BoxTree, Mesh, Ray, Ray32};
@@ -53,10 +55,22 @@ impl MeshBvh {
     /// The nearest hit within `reach` on the mesh that the tree was made of, both in the mesh's
     /// frame; where several are as near, that on the triangle with the smallest number.
     pub fn closest(&self, mesh: &Mesh, ray: &Ray, reach: f64, sides: Sides) -> Option<MeshHit> {
+        self.closest_where(mesh, ray, reach, sides, |_| true)
+    }
+
+    /// As [`closest`](Self::closest), on those triangles alone that `counts` is true for.
+    pub fn closest_where(
+        &self,
+        mesh: &Mesh,
+        ray: &Ray,
+        reach: f64,
+        sides: Sides,
+        counts: impl Fn(u32) -> bool,
+    ) -> Option<MeshHit> {
         let line = Line::new(ray)?;
         let mut closest: Option<MeshHit> = None;
         self.0.along(ray, reach, |triangle| {
-            let hit = line.meet(mesh, triangle, None, sides);
+            let hit = if counts(triangle) { line.meet(mesh, triangle, None, sides) } else { None };
             if let Some(hit) =
                 hit.filter(|hit| hit.distance <= reach && hit.precedes(closest.as_ref()))
             {
@@ -165,9 +179,10 @@ impl MeshHit32 {
 }
 
 /// The nearest hit within `reach` on a mesh after a transform that may flatten it, with the ray
-/// in the frame outside; looks at every triangle.
+/// in the frame outside; looks at each of `triangles`.
 pub fn closest_on_transformed(
     mesh: &Mesh,
+    triangles: Range<u32>,
     transform: &DAffine3,
     ray: &Ray,
     reach: f64,
@@ -175,7 +190,7 @@ pub fn closest_on_transformed(
 ) -> Option<MeshHit> {
     let line = Line::new(ray)?;
     let mut closest: Option<MeshHit> = None;
-    for triangle in 0..mesh.n_triangles() as u32 {
+    for triangle in triangles {
         let hit = line.meet(mesh, triangle, Some(transform), sides);
         if let Some(hit) = hit.filter(|hit| hit.distance <= reach && hit.precedes(closest.as_ref()))
         {
@@ -268,8 +283,14 @@ mod tests {
     fn closest(mesh: &Mesh, ray: &Ray) -> Option<MeshHit> {
         let bvh = MeshBvh::new(mesh);
         let hit = bvh.closest(mesh, ray, f64::INFINITY, Sides::Both);
-        let slow =
-            closest_on_transformed(mesh, &DAffine3::IDENTITY, ray, f64::INFINITY, Sides::Both);
+        let slow = closest_on_transformed(
+            mesh,
+            0..mesh.n_triangles() as u32,
+            &DAffine3::IDENTITY,
+            ray,
+            f64::INFINITY,
+            Sides::Both,
+        );
         assert_eq!(hit, slow);
         hit
     }

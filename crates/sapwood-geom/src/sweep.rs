@@ -200,6 +200,34 @@ impl Sweep {
         Some(SweepStart { x: laid.x, tangent: Some(laid.tangent), u: self.u, v: laid.v })
     }
 
+    /// The stretches of the tube last laid, in the order in which their triangles are written: how
+    /// many each has for `section`, discs at the tube's ends with the nearest, and the rings at
+    /// its own ends. None where nothing is written.
+    ///
+    /// `narrow` tells of each ring at which walls part by how many triangles the stretch behind it
+    /// has less: [`Fork::n_narrow`].
+    pub fn stretches(
+        &self,
+        section: &Section,
+        narrow: &[(usize, usize)],
+    ) -> impl Iterator<Item = (usize, [Ring; 2])> {
+        let sides = section.n_sides() as usize;
+        let last = self.laid.len().saturating_sub(2);
+        let n = if self.n_triangles(sides) == 0 { 0 } else { last + 1 };
+        (0..n).map(move |i| {
+            let ends = [self.laid[i], self.laid[i + 1]];
+            let walls = 2 - ends.iter().filter(|laid| laid.is_point).count();
+            let has_base = i == 0 && self.base != Cap::Open && !ends[0].is_point;
+            let has_tip = i == last && self.tip != Cap::Open && !ends[1].is_point;
+            let discs = usize::from(has_base) + usize::from(has_tip);
+            let ring = |laid: Laid| Ring { center: laid.center, radius: laid.radius };
+            let is_here = |ring: usize| self.rows.get(ring).is_some_and(|row| *row as usize == i);
+            let parting = narrow.iter().filter(|(ring, _)| is_here(*ring));
+            let n_missing: usize = parting.map(|(_, n)| n).sum();
+            ((walls + discs) * sides - n_missing, ends.map(ring))
+        })
+    }
+
     /// Keeps a ring unless it coincides with the one kept last, and works out the stretch
     /// between the two; where they share their middle, the direction before goes on.
     fn keep(&mut self, ring: &Ring, before_all: Vec3) {

@@ -10,11 +10,24 @@ pub struct Eye {
     pub position: Vec3,
     /// Upwards in the picture; need not have unit length.
     pub up: Vec3,
+    /// Rows of pixels for each degree of the picture's height, above 0: what fades with the
+    /// distance fades later where more can be seen of it.
+    pub rows_per_degree: f32,
+}
+
+impl Eye {
+    /// The rows for each degree of a picture of 1000 rows whose field of view is 60 degrees high.
+    pub const REFERENCE_ROWS: f32 = 1000.0 / 60.0;
+
+    /// An eye with the y axis upwards that sees as much as the reference.
+    pub fn new(position: Vec3) -> Self {
+        Self { position, up: Vec3::Y, rows_per_degree: Self::REFERENCE_ROWS }
+    }
 }
 
 impl Content for Eye {
     fn write(&self, digester: &mut Digester) {
-        digester.add(&self.position).add(&self.up);
+        digester.add(&self.position).add(&self.up).add(&self.rows_per_degree);
     }
 }
 
@@ -85,7 +98,7 @@ mod tests {
     use super::*;
 
     fn looking(facing: Facing, world: Affine3, from: Vec3) -> (Vec3, Vec3) {
-        let eye = Eye { position: from, up: Vec3::Y };
+        let eye = Eye::new(from);
         let turned = world * facing.turn(&world, Some(&eye));
         (turned.transform_vector3(Vec3::Z), turned.transform_vector3(Vec3::Y))
     }
@@ -111,9 +124,7 @@ mod tests {
 
     #[test]
     fn without_a_turn_to_choose_there_is_none() {
-        let turn = |facing: Facing, from| {
-            facing.turn(&Affine3::IDENTITY, Some(&Eye { position: from, up: Vec3::Y }))
-        };
+        let turn = |facing: Facing, from| facing.turn(&Affine3::IDENTITY, Some(&Eye::new(from)));
         assert_eq!(turn(Facing::Eye, Vec3::ZERO), Affine3::IDENTITY);
         assert_eq!(turn(Facing::Axis(Vec3::Y), Vec3::new(0.0, 8.0, 0.0)), Affine3::IDENTITY);
         assert!(turn(Facing::Eye, Vec3::new(0.0, 8.0, 0.0)).is_finite());
@@ -130,7 +141,7 @@ mod tests {
             for i in 0..64 {
                 let angle = i as f32;
                 let from = Vec3::new(libm::cosf(angle), libm::sinf(angle * 0.7), libm::sinf(angle));
-                let eye = Eye { position: from * 20.0, up: Vec3::Y };
+                let eye = Eye::new(from * 20.0);
                 let turn = facing.turn(&Affine3::IDENTITY, Some(&eye));
                 for point in points {
                     let point = turn.transform_point3(point);

@@ -17,7 +17,7 @@ use smallvec::SmallVec;
 pub use builder::FragmentBuilder;
 pub use shown::Shown;
 
-use crate::{Camera, Facing, Kind, Label, Light, Material};
+use crate::{Camera, Facing, Fading, Kind, Label, Light, Material};
 
 /// A render node as traversals see it.
 #[derive(Clone, Copy, Debug)]
@@ -31,6 +31,10 @@ pub enum RenderNode<'a> {
     Live(u32),
     /// Turns its children to whoever looks, where that is known; else leaves them as they are.
     Facing(&'a Facing),
+    /// Has what it holds drawn by parts, by the distance to whoever looks; without an eye as from
+    /// nearby. What other plans supply below it is not its business, and of several such nodes
+    /// above each other the lowest counts.
+    Fading(&'a Fading),
     /// A mesh with its material.
     Mesh {
         /// The triangles.
@@ -78,6 +82,7 @@ enum Code {
     Transform(u32),
     Live(u32),
     Facing(u32),
+    Fading(u32),
     Mesh(u32),
     Instances(u32),
     Lines(u32),
@@ -101,6 +106,7 @@ struct Drawn {
     instances: Vec<Instanced>,
     lines: Vec<Shared<Vec<Polyline>>>,
     facings: Vec<Facing>,
+    fadings: Vec<Fading>,
     lights: Vec<Light>,
     cameras: Vec<Camera>,
     labels: Vec<Label>,
@@ -113,6 +119,8 @@ struct Instanced {
     mesh: SharedMesh,
     material: Arc<Material>,
     transforms: Shared<Vec<Affine3>>,
+    /// Of one instance, however large it is drawn.
+    each: Bound,
     bound: Bound,
     /// Made when a ray comes by for the first time.
     tree: OnceLock<BoxTree>,
@@ -178,6 +186,7 @@ impl Fragment {
             Code::Transform(i) => RenderNode::Transform(&self.transforms[i as usize]),
             Code::Live(i) => RenderNode::Live(i),
             Code::Facing(i) => RenderNode::Facing(&drawn().facings[i as usize]),
+            Code::Fading(i) => RenderNode::Fading(&drawn().fadings[i as usize]),
             Code::Mesh(i) => {
                 let (mesh, material) = &drawn().meshes[i as usize];
                 RenderNode::Mesh { mesh, material }
@@ -236,8 +245,50 @@ impl Fragment {
             | Code::Transform(_)
             | Code::Live(_)
             | Code::Facing(_)
+            | Code::Fading(_)
             | Code::Light(_)
             | Code::Camera(_)
+            | Code::Deferred(_) => None,
+        }
+    }
+
+    /// The fading node that limits what the node at `index` draws: the lowest above it. Costs the
+    /// nodes before it where the fragment has any such node.
+    pub fn fading_of(&self, index: u32) -> Option<&Fading> {
+        let drawn = self.drawn.as_deref().filter(|drawn| !drawn.fadings.is_empty())?;
+        (0..index).rev().find_map(|above| match self.nodes[above as usize].code {
+            Code::Fading(i) if self.after(above) > index => Some(&drawn.fadings[i as usize]),
+            Code::Fading(_)
+            | Code::Group
+            | Code::Transform(_)
+            | Code::Live(_)
+            | Code::Facing(_)
+            | Code::Mesh(_)
+            | Code::Instances(_)
+            | Code::Lines(_)
+            | Code::Light(_)
+            | Code::Camera(_)
+            | Code::Label(_)
+            | Code::Deferred(_) => None,
+        })
+    }
+
+    /// How many triangles of a single mesh, instances or lines the node at `index` draws; nothing
+    /// for other nodes.
+    pub fn n_drawn(&self, index: u32) -> Option<usize> {
+        let drawn = || self.drawn.as_deref().expect("drawn nodes have a table");
+        match self.nodes[index as usize].code {
+            Code::Mesh(i) => Some(drawn().meshes[i as usize].0.n_triangles()),
+            Code::Instances(i) => Some(drawn().instances[i as usize].transforms.len()),
+            Code::Lines(i) => Some(drawn().lines[i as usize].len()),
+            Code::Group
+            | Code::Transform(_)
+            | Code::Live(_)
+            | Code::Facing(_)
+            | Code::Fading(_)
+            | Code::Light(_)
+            | Code::Camera(_)
+            | Code::Label(_)
             | Code::Deferred(_) => None,
         }
     }
@@ -257,9 +308,9 @@ impl Fragment {
         else {
             return None;
         };
-        let Instanced { mesh, transforms, tree, .. } = &drawn.instances[i as usize];
-        let of_mesh = &mesh.bound().aabb;
-        Some(tree.get_or_init(|| BoxTree::new(transforms.iter().map(|t| of_mesh.transformed(t)))))
+        let Instanced { each, transforms, tree, .. } = &drawn.instances[i as usize];
+        let of_each = &each.aabb;
+        Some(tree.get_or_init(|| BoxTree::new(transforms.iter().map(|t| of_each.transformed(t)))))
     }
 
     /// Triangles that the fragment draws itself, every instance counted.
@@ -289,6 +340,7 @@ impl Content for Fragment {
                 }
                 RenderNode::Lines(lines) => digester.add(&5u8).add(lines),
                 RenderNode::Facing(facing) => digester.add(&7u8).add(facing),
+                RenderNode::Fading(fading) => digester.add(&11u8).add(fading),
                 RenderNode::Light(light) => digester.add(&8u8).add(light),
                 RenderNode::Camera(camera) => digester.add(&9u8).add(camera),
                 RenderNode::Label(label) => digester.add(&10u8).add(label),

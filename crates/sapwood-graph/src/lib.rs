@@ -7,6 +7,7 @@
 
 mod camera;
 mod facing;
+mod fading;
 mod fragment;
 mod handlers;
 mod interfaces;
@@ -23,6 +24,7 @@ mod walk;
 
 pub use camera::{Camera, Lens};
 pub use facing::{Eye, Facing};
+pub use fading::{DrawRange, Fading, FadingAbove, Falloff, Stretch, even_order, n_drawn};
 pub use fragment::{Fragment, FragmentBuilder, RenderNode, Run, Shown};
 pub use handlers::{Fallbacks, Handlers};
 pub use interfaces::{Interfaces, Offers};

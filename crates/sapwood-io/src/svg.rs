@@ -92,7 +92,7 @@ fn flatten(
 ) -> Result<(), Error> {
     // A stem stretched unevenly has no one radius; it keeps its volume.
     let stretch = libm::cbrtf(place.matrix3.determinant().abs());
-    for line in row.lines.iter() {
+    for line in row.drawn().iter() {
         let stroke = flatten_line(line, place, stretch).ok_or_else(|| {
             unwritable(kind, "a point or a radius of its lines is not finite".to_owned())
         })?;
@@ -325,7 +325,8 @@ mod tests {
     }
 
     fn list(lines: Vec<Polyline>) -> DrawList {
-        let lines = vec![LineRow { local: Affine3::IDENTITY, lines: Shared::new(lines) }];
+        let lines =
+            vec![LineRow { local: Affine3::IDENTITY, lines: Shared::new(lines), range: None }];
         DrawList {
             bodies: vec![Body { lines, ..Body::new(Kind::of::<Tree>()) }],
             occurrences: vec![Occurrence { body: 0, world: Affine3::IDENTITY }],

@@ -30,6 +30,11 @@ pub fn segment_rules() -> scene::RuleSet {
     rules::weber_penn::segments().over(&images::rules()).over(&scene::built_in_rules())
 }
 
+/// The rule set that draws less of trees the further away they are, and everything else as it is.
+pub fn fading_rules() -> scene::RuleSet {
+    rules::weber_penn::fading().over(&images::rules()).over(&scene::built_in_rules())
+}
+
 /// The README's example, compiled and run with the documentation tests.
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]

@@ -1,6 +1,7 @@
 //! Built-in components one by one: each on its own and under sharing, and what ran after edits.
 
 mod connections;
+mod fades;
 mod heavy;
 mod kits;
 mod levels;

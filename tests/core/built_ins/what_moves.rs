@@ -117,7 +117,7 @@ fn boards(facing: Facing) -> (Scene, ViewId, Handle<Billboard>) {
 fn a_board_turns_to_the_viewer_at_each_of_its_places() {
     let (mut scene, view, _) = boards(Facing::Axis(Vec3::Y * 2.0));
     let check = |scene: &mut Scene, position: Option<Vec3>, expected: [[f32; 3]; 2]| {
-        let eye = position.map(|position| Eye { position, up: Vec3::Y });
+        let eye = position.map(Eye::new);
         scene.set_moving::<Viewer>(view, eye).unwrap();
         assert_eq!(corners(scene, view), expected, "from {position:?}");
     };
@@ -136,7 +136,7 @@ fn a_board_turns_to_the_viewer_at_each_of_its_places() {
 fn a_board_that_faces_freely_stays_upright() {
     let (mut scene, view, board) = boards(Facing::Eye);
     corners(&mut scene, view);
-    let eye = Eye { position: Vec3::new(-10.0, 0.0, 0.0), up: Vec3::Y };
+    let eye = Eye::new(Vec3::new(-10.0, 0.0, 0.0));
     scene.set_moving::<Viewer>(view, Some(eye)).unwrap();
     assert_eq!(corners(&mut scene, view), [[0.0, 0.0, 1.0], [10.0, 0.0, 1.0]]);
     // The bound holds whatever turn it takes.

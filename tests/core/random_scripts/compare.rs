@@ -198,6 +198,7 @@ fn found(world: Affine3, node: RenderNode<'_>) -> Option<Found> {
         | RenderNode::Transform(_)
         | RenderNode::Live(_)
         | RenderNode::Facing(_)
+        | RenderNode::Fading(_)
         | RenderNode::Instances { .. }
         | RenderNode::Deferred(_) => None,
     }

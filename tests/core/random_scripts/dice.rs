@@ -144,7 +144,7 @@ impl Dice {
     }
 
     pub(super) fn eye(&mut self) -> Option<Eye> {
-        (!self.chance(15)).then(|| Eye { position: self.point() * 3.0, up: Vec3::Y })
+        (!self.chance(15)).then(|| Eye::new(self.point() * 3.0))
     }
 
     /// A number that must be above zero, and is not always.

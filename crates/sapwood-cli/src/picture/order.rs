@@ -25,6 +25,8 @@ pub(crate) struct Order {
     pub(crate) style: Option<Style>,
     view: View,
     lens: Lens,
+    /// Whether somebody asked for that lens.
+    has_lens: bool,
     /// How many pictures are taken around the scene, if it is turned.
     turns: Option<u32>,
 }
@@ -38,6 +40,9 @@ enum View {
     Placed(Vec3, Option<Vec3>),
     /// Where a camera of the scene stands.
     Through(PlacedCamera),
+    /// So many metres from a place, in this direction, looking at the middle of everything; with a
+    /// lens that has all of it in view, or the one that is given.
+    Range { range: f32, of: Vec3, from: Vec3, has_lens: bool },
 }
 
 /// How much room a scene takes.
@@ -66,6 +71,7 @@ impl Extent {
             let away = point - middle;
             girth = girth.max(Vec2::new(away.x, away.z).length());
         };
+        let list = list.as_drawn();
         for (world, row) in list.placed_rows() {
             match &row.instances {
                 None => row.mesh.positions.iter().for_each(|p| reach(world.transform_point3(*p))),
@@ -142,12 +148,21 @@ impl Order {
             ..PictureOptions::default()
         };
         let style = arguments.style.map(Style::from);
-        Ok(Self { options, style, view, lens, turns })
+        let has_lens = arguments.fov.is_some();
+        Ok(Self { options, style, view, lens, has_lens, turns })
     }
 
     /// The same through this camera.
     pub(crate) fn through(self, camera: PlacedCamera) -> Self {
         Self { view: View::Through(camera), ..self }
+    }
+
+    /// The same from so many metres away from a place, if any.
+    pub(crate) fn at_range(mut self, range: Option<f32>, of: Vec3) -> Self {
+        if let (Some(range), &View::Fit(from)) = (range, &self.view) {
+            self.view = View::Range { range, of, from, has_lens: self.has_lens };
+        }
+        self
     }
 
     /// The look of a picture of something that stands at this height.
@@ -196,6 +211,23 @@ impl Order {
                 (PlacedCamera::look_at(self.lens, eye, target)?, target)
             }
             View::Through(camera) => (camera.clone(), middle),
+            &View::Range { range, of, from, has_lens } => {
+                let eye = of + from.normalize_or(Vec3::Z) * range;
+                let reach = 0.5 * aabb.size().length();
+                let lens = match (self.lens, eye.distance(middle)) {
+                    (Lens::Perspective { .. }, away) if !has_lens && away > 0.0 => {
+                        // Nothing touches the edge; from inside nobody sees all.
+                        let seen = 2.0
+                            * Vec2::new((away * away - reach * reach).max(0.0).sqrt(), reach)
+                                .to_angle();
+                        let [width, height] = self.options.size.map(|n| n as f32);
+                        let narrow = (seen * 1.05 * (height / width).max(1.0)).max(1e-4);
+                        Lens::Perspective { vertical_angle: narrow.min(120f32.to_radians()) }
+                    }
+                    (lens, _) => lens,
+                };
+                (PlacedCamera::look_at(lens, eye, middle)?, middle)
+            }
         };
         let n = self.n_pictures();
         let angle = |i: u32| std::f32::consts::TAU * i as f32 / n as f32;

@@ -2,12 +2,12 @@
 
 use std::sync::{Arc, OnceLock};
 
-use sapwood_geom::glam::Affine3;
+use sapwood_geom::glam::{Affine3, Vec3};
 use sapwood_geom::{Bound, Polyline, Shared, SharedMesh};
 use smallvec::SmallVec;
 
-use super::{Code, Drawn, Fragment, Instanced, Packed, Shown, StoredRun};
-use crate::{Camera, Facing, Kind, Label, Light, Material};
+use super::{Code, Drawn, Fragment, Instanced, Packed, RenderNode, Shown, StoredRun};
+use crate::{Camera, Facing, Fading, Kind, Label, Light, Material};
 
 /// Builds a [`Fragment`] node by node; whoever opens a node closes it.
 pub struct FragmentBuilder {
@@ -50,6 +50,23 @@ impl FragmentBuilder {
     pub fn open_facing(&mut self, facing: Facing) {
         let i = number_of(&mut self.drawn().facings, facing);
         self.open(Code::Facing(i));
+    }
+
+    /// Opens a node under which less is drawn further away: what this fragment draws up to the
+    /// matching [`close`](Self::close).
+    pub fn open_fading(&mut self, fading: Fading) {
+        let i = number_of(&mut self.drawn().fadings, fading);
+        self.open(Code::Fading(i));
+    }
+
+    /// How much larger instances may be drawn where the next node stands.
+    fn largest_growth(&self) -> f32 {
+        for index in self.open.iter().rev() {
+            if let RenderNode::Fading(fading) = self.fragment.node(*index) {
+                return fading.largest_growth();
+            }
+        }
+        1.0
     }
 
     fn drawn(&mut self) -> &mut Drawn {
@@ -96,8 +113,14 @@ impl FragmentBuilder {
         material: Arc<Material>,
         transforms: Shared<Vec<Affine3>>,
     ) {
-        let bound = mesh.bound().repeated(&transforms);
-        let instanced = Instanced { mesh, material, transforms, bound, tree: OnceLock::new() };
+        let mut each = *mesh.bound();
+        let growth = self.largest_growth();
+        if growth > 1.0 {
+            each = each.union(&each.transformed(&Affine3::from_scale(Vec3::splat(growth))));
+        }
+        let bound = each.repeated(&transforms);
+        let instanced =
+            Instanced { mesh, material, transforms, each, bound, tree: OnceLock::new() };
         let i = number_of(&mut self.drawn().instances, instanced);
         self.push(Code::Instances(i));
     }
@@ -188,7 +211,7 @@ fn number_of<T>(rows: &mut Vec<T>, row: T) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Named, RenderNode};
+    use crate::Named;
     use sapwood_geom::Digest;
 
     struct Stone;

@@ -3,20 +3,23 @@
 //! The list has two levels. A *body* is what one authored component draws, in its own frame; an
 //! *occurrence* puts a body somewhere. What is shared in the scene is one body with several
 //! occurrences. What turns to the eye is a body of its own, for it is turned differently at each
-//! place. The list is built anew each time.
+//! place; what fades with the distance has a body for each set of limits that some place gives it.
+//! The list is built anew each time.
 
+use std::borrow::Cow;
 use std::fmt;
 use std::sync::Arc;
 
-use sapwood_geom::glam::Affine3;
+use sapwood_geom::glam::{Affine3, Vec3};
 use sapwood_geom::{Digest, FixedMap, Mesh, Polyline, Shared, SharedMesh, fixed_state};
 
 use crate::{
-    Camera, EnvId, Facing, Kind, Label, Light, Material, RenderNode, SiteId, Supplied, Supply,
+    Camera, DrawRange, EnvId, Facing, Fading, Kind, Label, Light, Material, RenderNode, SiteId,
+    Supplied, Supply,
 };
 
 /// Everything that a view draws.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct DrawList {
     /// What is drawn, each once.
     pub bodies: Vec<Body>,
@@ -76,6 +79,32 @@ pub struct DrawRow {
     pub material: Arc<Material>,
     /// Where the mesh is repeated, in the row's frame; nothing for a single mesh.
     pub instances: Option<Shared<Vec<Affine3>>>,
+    /// Which of the instances are drawn, or which triangles of a single mesh; nothing for all.
+    /// [`DrawList::as_drawn`] is for whoever cannot draw by parts.
+    pub range: Option<DrawRange>,
+}
+
+impl DrawRow {
+    /// How often the mesh is drawn.
+    pub fn n_copies(&self) -> usize {
+        let Some(instances) = &self.instances else { return 1 };
+        self.range.map_or(instances.len(), |range| range.len() as usize)
+    }
+
+    /// How many triangles are drawn, every instance counted.
+    pub fn n_triangles(&self) -> u64 {
+        match (&self.instances, self.range) {
+            (None, Some(range)) => u64::from(range.len()),
+            _ => self.n_copies() as u64 * self.mesh.n_triangles() as u64,
+        }
+    }
+}
+
+impl LineRow {
+    /// The lines that are drawn.
+    pub fn drawn(&self) -> &[Polyline] {
+        self.range.map_or(self.lines.as_slice(), |range| range.of(&self.lines))
+    }
 }
 
 /// Lines with radii.
@@ -85,6 +114,8 @@ pub struct LineRow {
     pub local: Affine3,
     /// The lines.
     pub lines: Shared<Vec<Polyline>>,
+    /// Which of them are drawn; nothing for all.
+    pub range: Option<DrawRange>,
 }
 
 /// A light.
@@ -115,6 +146,14 @@ pub struct LabelRow {
 }
 
 impl DrawList {
+    /// Adds a body that draws something, and tells its number.
+    fn add(&mut self, body: Body) -> Option<u32> {
+        (body.n_rows() > 0).then(|| {
+            self.bodies.push(body);
+            self.bodies.len() as u32 - 1
+        })
+    }
+
     /// The body behind an occurrence.
     pub fn body(&self, occurrence: &Occurrence) -> &Body {
         &self.bodies[occurrence.body as usize]
@@ -156,10 +195,10 @@ impl DrawList {
     }
 
     /// The list with other meshes: `change` is asked once for each distinct mesh. What becomes
-    /// empty is no longer drawn; all else stays as it is.
+    /// empty is no longer drawn, and neither is what a range left out; all else stays as it is.
     pub fn with_meshes(&self, mut change: impl FnMut(&Mesh) -> Mesh) -> Self {
         let mut changed: FixedMap<Digest, SharedMesh> = FixedMap::with_hasher(fixed_state());
-        let mut bodies = self.bodies.clone();
+        let Self { mut bodies, occurrences } = self.as_drawn().into_owned();
         for row in bodies.iter_mut().flat_map(|body| &mut body.rows) {
             let mesh = changed
                 .entry(Digest::of(&row.mesh))
@@ -169,17 +208,42 @@ impl DrawList {
         for body in &mut bodies {
             body.rows.retain(|row| !row.mesh.is_empty());
         }
-        Self { bodies, occurrences: self.occurrences.clone() }
+        Self { bodies, occurrences }
     }
 
-    /// Number of vertices and of triangles that are drawn, every instance counted.
+    /// The same with nothing left out by ranges: what is not drawn is not there. Copies the rows
+    /// that have a range, if there are any.
+    pub fn as_drawn(&self) -> Cow<'_, Self> {
+        let has_range = |body: &Body| {
+            body.rows.iter().any(|row| row.range.is_some())
+                || body.lines.iter().any(|row| row.range.is_some())
+        };
+        if !self.bodies.iter().any(has_range) {
+            return Cow::Borrowed(self);
+        }
+        let mut bodies = self.bodies.clone();
+        for body in &mut bodies {
+            for row in &mut body.rows {
+                let Some(range) = row.range.take() else { continue };
+                match &mut row.instances {
+                    Some(instances) => *instances = Shared::new(range.of(instances).to_vec()),
+                    None => row.mesh = SharedMesh::new(row.mesh.part(range.numbers())),
+                }
+            }
+            for row in &mut body.lines {
+                let Some(range) = row.range.take() else { continue };
+                row.lines = Shared::new(range.of(&row.lines).to_vec());
+            }
+        }
+        Cow::Owned(Self { bodies, occurrences: self.occurrences.clone() })
+    }
+
+    /// Number of vertices and of triangles that are drawn, every instance counted; vertices of a
+    /// mesh count whatever part of it is drawn.
     pub fn n_vertices_and_triangles(&self) -> (u64, u64) {
         self.placed_rows().fold((0, 0), |(vertices, triangles), (_, row)| {
-            let n = row.instances.as_ref().map_or(1, |instances| instances.len() as u64);
-            (
-                vertices + n * row.mesh.n_vertices() as u64,
-                triangles + n * row.mesh.n_triangles() as u64,
-            )
+            let n = row.n_copies() as u64;
+            (vertices + n * row.mesh.n_vertices() as u64, triangles + row.n_triangles())
         })
     }
 }
@@ -223,6 +287,8 @@ pub(super) struct Top {
 /// What is drawn from a top on, and the tops right below it.
 struct Look {
     body: Option<u32>,
+    /// A body that is not the same everywhere, for some of it fades.
+    fading: Option<Box<FadingBody>>,
     below: Vec<Below>,
     /// Whether there is a body here or anywhere below.
     draws: bool,
@@ -236,6 +302,60 @@ struct Below {
     facing: Option<Facing>,
 }
 
+struct FadingBody {
+    /// With everything in it.
+    whole: Body,
+    rows: Vec<FadingRow>,
+}
+
+/// A row that fades.
+struct FadingRow {
+    /// Whether it is one of lines.
+    is_lines: bool,
+    number: usize,
+    /// How many triangles, instances or lines it has.
+    n: u32,
+    fading: Fading,
+    /// From the frame of the node that has it fade to the body's.
+    local: Affine3,
+}
+
+/// What is drawn of one row, and the bits of how much larger.
+type Limits = (DrawRange, u32);
+
+impl FadingBody {
+    fn limits(&self, world: &Affine3, supply: &dyn Supply) -> Vec<Limits> {
+        let limits = self.rows.iter().map(|row| {
+            let range = Fading::range(&(*world * row.local), supply.eye());
+            (row.fading.drawn(row.n, range), row.fading.growth(range).to_bits())
+        });
+        limits.collect()
+    }
+
+    /// What is left of the body; rows of which nothing is are gone.
+    fn limited(&self, limits: &[Limits]) -> Body {
+        let mut body = self.whole.clone();
+        for (row, (range, growth)) in self.rows.iter().zip(limits) {
+            let range = (range.len() < row.n).then_some(*range);
+            if row.is_lines {
+                body.lines[row.number].range = range;
+                continue;
+            }
+            let drawn = &mut body.rows[row.number];
+            drawn.range = range;
+            let growth = f32::from_bits(*growth);
+            if growth != 1.0 && drawn.instances.is_some() {
+                let mut grown = Mesh::default();
+                grown.append(&drawn.mesh, &Affine3::from_scale(Vec3::splat(growth)));
+                drawn.mesh = SharedMesh::new(grown);
+            }
+        }
+        body.rows.retain(|row| row.range.is_none_or(|range| !range.is_empty()));
+        body.lines.retain(|row| row.range.is_none_or(|range| !range.is_empty()));
+        body
+    }
+}
+
 /// A draw list in the making.
 pub(super) struct Builder<'a> {
     supply: &'a dyn Supply,
@@ -245,6 +365,8 @@ pub(super) struct Builder<'a> {
     n_rows: usize,
     seen: FixedMap<Top, usize>,
     looks: Vec<Look>,
+    /// Bodies that fade, by the look and what is left of them.
+    faded: FixedMap<(usize, Vec<Limits>), Option<u32>>,
 }
 
 impl<'a> Builder<'a> {
@@ -257,6 +379,7 @@ impl<'a> Builder<'a> {
             n_rows: 0,
             seen: FixedMap::with_hasher(fixed_state()),
             looks: Vec::new(),
+            faded: FixedMap::with_hasher(fixed_state()),
         }
     }
 
@@ -274,7 +397,7 @@ impl<'a> Builder<'a> {
             if !self.looks[look].draws {
                 continue;
             }
-            if let Some(number) = self.looks[look].body {
+            if let Some(number) = self.body_at(look, &world) {
                 let body = &self.list.bodies[number as usize];
                 let (n_rows, kind) = (body.n_rows(), body.kind);
                 self.count(n_rows, kind)?;
@@ -317,6 +440,19 @@ impl<'a> Builder<'a> {
         }
     }
 
+    /// The number of the body that is drawn at a place.
+    fn body_at(&mut self, look: usize, world: &Affine3) -> Option<u32> {
+        let Some(fading) = &self.looks[look].fading else { return self.looks[look].body };
+        let limits = fading.limits(world, self.supply);
+        if let Some(known) = self.faded.get(&(look, limits.clone())) {
+            return *known;
+        }
+        let body = fading.limited(&limits);
+        let number = self.list.add(body);
+        self.faded.insert((look, limits), number);
+        number
+    }
+
     /// Looks at an authored site and whatever its rule and the rules below it emitted.
     fn look(&mut self, top: Top) -> usize {
         if let Some(look) = self.seen.get(&top) {
@@ -324,14 +460,22 @@ impl<'a> Builder<'a> {
         }
         let mut body = Body::new(self.supply.plan(top.site).kind);
         let mut below = Vec::new();
-        let mut stack = vec![(top.site, top.node, Affine3::IDENTITY)];
-        while let Some((site, index, local)) = stack.pop() {
+        let mut fading_rows = Vec::new();
+        let mut stack = vec![(top.site, top.node, Affine3::IDENTITY, None)];
+        while let Some((site, index, local, fading)) = stack.pop() {
             let plan = self.supply.plan(site);
             let first = stack.len();
-            let mut inside = |local: Affine3| {
+            let mut inside_of = |local: Affine3, fading: Option<(&'a Fading, Affine3)>| {
                 let children = plan.fragment.children(index);
-                stack.extend(children.map(|child| (site, child, local)));
+                stack.extend(children.map(|child| (site, child, local, fading)));
             };
+            let mut inside = |local: Affine3| inside_of(local, fading);
+            if let (Some((fading, local)), Some(n)) = (fading, plan.fragment.n_drawn(index)) {
+                let is_lines = matches!(plan.fragment.node(index), RenderNode::Lines(_));
+                let number = if is_lines { body.lines.len() } else { body.rows.len() };
+                let (n, fading) = (n as u32, fading.clone());
+                fading_rows.push(FadingRow { is_lines, number, n, fading, local });
+            }
             match plan.fragment.node(index) {
                 RenderNode::Group => inside(local),
                 RenderNode::Transform(transform) => inside(local * *transform),
@@ -344,20 +488,23 @@ impl<'a> Builder<'a> {
                         below.push(Below { top: here, local, facing: Some(*facing) });
                     }
                 }
+                RenderNode::Fading(fading) => inside_of(local, Some((fading, local))),
                 RenderNode::Mesh { mesh, material } => body.rows.push(DrawRow {
                     local,
                     mesh: mesh.clone(),
                     material: Arc::clone(material),
                     instances: None,
+                    range: None,
                 }),
                 RenderNode::Instances { mesh, material, transforms } => body.rows.push(DrawRow {
                     local,
                     mesh: mesh.clone(),
                     material: Arc::clone(material),
                     instances: Some(transforms.clone()),
+                    range: None,
                 }),
                 RenderNode::Lines(lines) => {
-                    body.lines.push(LineRow { local, lines: lines.clone() });
+                    body.lines.push(LineRow { local, lines: lines.clone(), range: None });
                 }
                 RenderNode::Light(light) => {
                     body.lights.push(LightRow { local, light: light.clone() });
@@ -378,18 +525,21 @@ impl<'a> Builder<'a> {
                             let top = Top { site: child, node: 0 };
                             below.push(Below { top, local, facing: None });
                         } else {
-                            stack.push((child, 0, local));
+                            stack.push((child, 0, local, None));
                         }
                     }
                 }
             }
             stack[first..].reverse();
         }
-        let body = (body.n_rows() > 0).then(|| {
-            self.list.bodies.push(body);
-            self.list.bodies.len() as u32 - 1
-        });
-        self.looks.push(Look { body, below, draws: body.is_some() });
+        let look = if fading_rows.is_empty() {
+            let body = self.list.add(body);
+            Look { body, fading: None, below, draws: body.is_some() }
+        } else {
+            let fading = Some(Box::new(FadingBody { whole: body, rows: fading_rows }));
+            Look { body: None, fading, below, draws: true }
+        };
+        self.looks.push(look);
         let look = self.looks.len() - 1;
         self.seen.insert(top, look);
         look

@@ -118,6 +118,7 @@ fn line<S>(at: &At<'_, S>) -> Option<String> {
         RenderNode::Live(value) => format!("live {}", rounded(&plan.live[value as usize])),
         RenderNode::Facing(Facing::Eye) => "face the eye".to_owned(),
         RenderNode::Facing(Facing::Axis(axis)) => format!("face the eye about ({})", point(*axis)),
+        RenderNode::Fading(fading) => format!("fade in masses of {}", fading.mass),
         RenderNode::Mesh { mesh, material } => format!(
             "mesh {} vertices {} triangles {}",
             mesh.n_vertices(),

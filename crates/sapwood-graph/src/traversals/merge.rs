@@ -55,17 +55,18 @@ impl DrawList {
     /// # Errors
     /// When more triangles would be written than allowed.
     pub fn merged_by_material(&self, merge: Merge) -> Result<Self, TooManyTriangles> {
+        let list = self.as_drawn();
         match merge {
             Merge::Bodies => {
-                let bodies = self.bodies.iter().map(merged_body).collect();
-                Ok(Self { bodies, occurrences: self.occurrences.clone() })
+                let bodies = list.bodies.iter().map(merged_body).collect();
+                Ok(Self { bodies, occurrences: list.occurrences.clone() })
             }
             Merge::All { max_triangles } => {
                 let (_, needed) = self.n_vertices_and_triangles();
                 if needed > max_triangles {
                     return Err(TooManyTriangles { limit: max_triangles, needed });
                 }
-                Ok(self.all_merged())
+                Ok(list.all_merged())
             }
         }
     }
@@ -149,6 +150,7 @@ impl Merging {
                 mesh: SharedMesh::new(mesh),
                 material: Arc::clone(&material),
                 instances: None,
+                range: None,
             })
         });
         rows.filter(|row| !row.mesh.is_empty()).collect()
@@ -173,7 +175,8 @@ mod tests {
 
     fn row(name: &str, local: Affine3, instances: Option<Vec<Affine3>>) -> DrawRow {
         let material = Arc::new(Material::matte(name, 0.5, 0.5, 0.5));
-        DrawRow { local, mesh: triangle(), material, instances: instances.map(Shared::new) }
+        let instances = instances.map(Shared::new);
+        DrawRow { local, mesh: triangle(), material, instances, range: None }
     }
 
     /// Two occurrences of a body of two materials, one of them mirrored; five triangles each.

@@ -151,6 +151,7 @@ impl WeldUnion {
                 mesh: SharedMesh::new(mesh),
                 material,
                 instances: None,
+                range: None,
             })
             .collect();
         let mut bodies: Vec<Body> = list.bodies.clone();

@@ -160,6 +160,7 @@ impl<S: Clone> Pass<S> {
                     }
                 }
                 RenderNode::Group
+                | RenderNode::Fading(_)
                 | RenderNode::Mesh { .. }
                 | RenderNode::Instances { .. }
                 | RenderNode::Lines(_)

@@ -242,6 +242,7 @@ impl<I: Interest> Walker<'_, I> {
             RenderNode::Live(live) => task.world * plan.live[live as usize],
             RenderNode::Facing(facing) => task.world * facing.turn(&task.world, self.supply.eye()),
             RenderNode::Group
+            | RenderNode::Fading(_)
             | RenderNode::Mesh { .. }
             | RenderNode::Instances { .. }
             | RenderNode::Lines(_)

@@ -37,7 +37,8 @@ pub use read::{Model, ModelNode, ReadLimits, read_gltf};
 /// glTF does not allow (NaN, an index without a vertex), or the file would be longer than 4 GiB;
 /// the size is found before any geometry is copied.
 pub fn glb_bytes(list: &DrawList) -> Result<Vec<u8>, Error> {
-    let glb = Document::of(list)?.into_glb()?;
+    let list = list.as_drawn();
+    let glb = Document::of(&list)?.into_glb()?;
     let mut bytes = Vec::with_capacity(glb.header.length as usize);
     glb.to_writer(&mut bytes)
         .map_err(|error| Error::new(ErrorKind::Write { cause: to_io(error) }))?;
@@ -72,8 +73,8 @@ impl FileSet {
     /// # Errors
     /// Those of [`write_glb`].
     pub fn add_glb(&mut self, path: impl AsRef<Path>, list: &DrawList) -> Result<(), Error> {
-        let path = path.as_ref();
-        let glb: Glb<'_> = Document::of(list)
+        let (path, list) = (path.as_ref(), list.as_drawn());
+        let glb: Glb<'_> = Document::of(&list)
             .and_then(Document::into_glb)
             .map_err(|error| error.in_file(&path.display().to_string()))?;
         self.write(path, |out| glb.to_writer(out).map_err(to_io))
@@ -85,9 +86,9 @@ impl FileSet {
     /// # Errors
     /// Those of [`write_gltf`].
     pub fn add_gltf(&mut self, path: impl AsRef<Path>, list: &DrawList) -> Result<(), Error> {
-        let path = path.as_ref();
+        let (path, list) = (path.as_ref(), list.as_drawn());
         let document =
-            Document::of(list).map_err(|error| error.in_file(&path.display().to_string()))?;
+            Document::of(&list).map_err(|error| error.in_file(&path.display().to_string()))?;
         self.together(|files| pair::add(files, path, document))
     }
 }

@@ -48,6 +48,7 @@ fn row(mesh: Mesh, name: &str) -> DrawRow {
         mesh: SharedMesh::new(mesh),
         material: material(name),
         instances: None,
+        range: None,
     }
 }
 

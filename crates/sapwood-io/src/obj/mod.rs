@@ -58,7 +58,7 @@ impl FileSet {
     /// # Errors
     /// Those of [`write_obj`].
     pub fn add_obj(&mut self, path: impl AsRef<Path>, list: &DrawList) -> Result<(), Error> {
-        let path = path.as_ref();
+        let (path, list) = (path.as_ref(), &*list.as_drawn());
         let materials = Materials::of(list, |number| obj_image_path(path, number))
             .map_err(|error| error.in_file(&path.display().to_string()))?;
         self.together(|files| add(files, path, list, &materials))

@@ -37,6 +37,7 @@ fn row(mesh: &SharedMesh, name: &str, instances: Option<Vec<Affine3>>) -> DrawRo
         mesh: mesh.clone(),
         material: Arc::new(Material::matte(name, 0.25, 0.5, 0.125)),
         instances: instances.map(Shared::new),
+        range: None,
     }
 }
 
@@ -159,7 +160,10 @@ fn lines_are_elements() {
     };
     let lines = Shared::new(vec![line(3), line(1), line(2)]);
     let local = Affine3::from_translation(Vec3::X);
-    let body = Body { lines: vec![LineRow { local, lines }], ..Body::new(Kind::of::<Tree>()) };
+    let body = Body {
+        lines: vec![LineRow { local, lines, range: None }],
+        ..Body::new(Kind::of::<Tree>())
+    };
     let folder = tempfile::tempdir().unwrap();
     write_obj(folder.path().join("a.obj"), &lone(body)).unwrap();
     let text = fs::read_to_string(folder.path().join("a.obj")).unwrap();

@@ -1,8 +1,10 @@
 //! Gathering: from what is compiled to clusters.
 
-use sapwood_geom::glam::Affine3;
+use sapwood_geom::glam::{Affine3, Vec3};
 use sapwood_geom::{FixedSet, SharedMesh, fixed_state};
-use sapwood_graph::{EnvId, Interrupted, RenderNode, Run, SiteId, Supplied, Supply};
+use sapwood_graph::{
+    DrawRange, EnvId, Fading, FadingAbove, Interrupted, RenderNode, Run, SiteId, Supplied, Supply,
+};
 
 use super::{Cluster, Item, LinePiece, MOST_ITEMS, Place, PlacedLight, Surface, Wait, World};
 
@@ -119,10 +121,12 @@ impl<'a> Gather<'a> {
         // Transforms above the node at hand: where each ends, and the product so far.
         let mut above: Vec<(u32, Affine3)> = Vec::new();
         let mut frame = here.frame;
+        let mut fading = FadingAbove::default();
         for index in 0..plan.fragment.len() {
             while let Some((_, outer)) = above.pop_if(|(end, _)| *end <= index) {
                 frame = outer;
             }
+            fading.go_on_to(index);
             let place = match plan.fragment.node(index) {
                 RenderNode::Group | RenderNode::Camera(_) | RenderNode::Label(_) => continue,
                 RenderNode::Transform(transform) => *transform,
@@ -130,11 +134,17 @@ impl<'a> Gather<'a> {
                 RenderNode::Facing(facing) => {
                     facing.turn(&(task.outside * frame), self.supply.eye())
                 }
+                RenderNode::Fading(below) => {
+                    let range = Fading::range(&(task.outside * frame), self.supply.eye());
+                    fading.enter(plan.fragment.after(index), below, range);
+                    continue;
+                }
                 drawn @ (RenderNode::Mesh { .. }
                 | RenderNode::Instances { .. }
                 | RenderNode::Lines(_)
                 | RenderNode::Light(_)) => {
-                    self.add(drawn, &frame, task, items);
+                    let part = fading.drawn(plan.fragment.n_drawn(index).unwrap_or(1));
+                    self.add(drawn, part, &frame, task, items);
                     continue;
                 }
                 RenderNode::Deferred(run) => {
@@ -147,18 +157,35 @@ impl<'a> Gather<'a> {
         }
     }
 
-    /// Adds what one node draws.
-    fn add(&mut self, drawn: RenderNode<'_>, frame: &Affine3, task: &Task, items: &mut Vec<Item>) {
+    /// Adds what one node draws, as far as it is drawn, instances larger by a factor.
+    fn add(
+        &mut self,
+        drawn: RenderNode<'_>,
+        (part, growth): (DrawRange, f32),
+        frame: &Affine3,
+        task: &Task,
+        items: &mut Vec<Item>,
+    ) {
         let once = [Affine3::IDENTITY];
+        let is_repeated = matches!(drawn, RenderNode::Instances { .. });
+        let grown = Affine3::from_scale(Vec3::splat(growth));
+        let left;
         let (mesh, material, transforms) = match drawn {
+            RenderNode::Mesh { mesh, .. } if part.is_empty() || mesh.unsound().is_some() => return,
+            RenderNode::Mesh { mesh, material } if (part.len() as usize) < mesh.n_triangles() => {
+                // Its own copy, unlike all others.
+                self.world.n_items += u64::from(part.len());
+                left = SharedMesh::new(mesh.part(part.numbers()));
+                (&left, material, &once[..])
+            }
             RenderNode::Mesh { mesh, material } => (mesh, material, &once[..]),
             RenderNode::Instances { mesh, material, transforms } => {
-                (mesh, material, transforms.as_slice())
+                (mesh, material, part.of(transforms))
             }
             RenderNode::Lines(lines) => {
                 let width = self.world.line_width;
                 self.world.has_lines = true;
-                for line in lines.iter().filter(|line| line.fault().is_none()) {
+                for line in part.of(lines).iter().filter(|line| line.fault().is_none()) {
                     let piece = |i: usize| {
                         let ends = [i, i + 1].map(|i| frame.transform_point3(line.points[i]));
                         let radii = [line.radii[i], line.radii[i + 1]];
@@ -182,6 +209,7 @@ impl<'a> Gather<'a> {
             | RenderNode::Transform(_)
             | RenderNode::Live(_)
             | RenderNode::Facing(_)
+            | RenderNode::Fading(_)
             | RenderNode::Camera(_)
             | RenderNode::Label(_)
             | RenderNode::Deferred(_) => return,
@@ -195,7 +223,10 @@ impl<'a> Gather<'a> {
             if self.world.n_items > MOST_ITEMS {
                 return;
             }
-            let frame = *frame * *transform;
+            let mut frame = *frame * *transform;
+            if growth != 1.0 && is_repeated {
+                frame *= grown;
+            }
             let to_local = frame.inverse();
             if to_local.is_finite() {
                 self.stand(surface, to_local, transforms.len() == 1, items);

@@ -16,8 +16,8 @@ struct Facts {
     is_known: bool,
     /// Things in it and below.
     n_items: u64,
-    /// Whether something in it depends on where it stands: it turns to the eye, it is a line,
-    /// which is as wide as it is seen, or a light.
+    /// Whether something in it depends on where it stands: it turns to the eye, fades with the
+    /// distance, it is a line, which is as wide as it is seen, or a light.
     depends_on_place: bool,
 }
 
@@ -76,7 +76,10 @@ impl Survey {
                 match plan.fragment.node(index) {
                     RenderNode::Mesh { .. } => n_items += 1,
                     RenderNode::Instances { transforms, .. } => n_items += transforms.len() as u64,
-                    RenderNode::Lines(_) | RenderNode::Facing(_) | RenderNode::Light(_) => {
+                    RenderNode::Lines(_)
+                    | RenderNode::Facing(_)
+                    | RenderNode::Fading(_)
+                    | RenderNode::Light(_) => {
                         depends_on_place = true;
                     }
                     RenderNode::Group

@@ -9,6 +9,7 @@
 //! the rules compile it, through branches, into meshes.
 
 mod components;
+mod fading;
 mod geometry;
 mod growth;
 mod look;
@@ -21,6 +22,7 @@ mod species;
 mod tests;
 
 pub use components::{Branch, Children, Leaves, Seed, StemSurface, Tree, Twigs};
+pub use fading::{FadingItem, FadingParams, Season, faded};
 pub use geometry::{
     Detail, closed_stems, leaf_card, leaf_mesh, segments as stem_segments, surface,
 };
@@ -31,10 +33,11 @@ pub use growth::{
 pub use look::{BarkLook, LeafLook};
 pub use params::{Crown, LeafParams, Level, Pruning, TrunkForm};
 pub use prune::prune_handlers;
-pub use rules::{full, segments, skeleton};
+pub use rules::{fading, full, segments, skeleton};
 pub use slots::{
-    BarkLookSlot, BarkSlot, CrownSlot, DetailSlot, FoliageSlot, IsPrunedSlot, LeafLookSlot,
-    LeafTargetSlot, LeavesSlot, LevelSlot, PruneRatioSlot, StemTargetSlot, TrunkFormSlot,
+    BarkLookSlot, BarkSlot, CrownSlot, DetailSlot, FadingSlot, FoliageSlot, IsPrunedSlot,
+    LeafLookSlot, LeafTargetSlot, LeavesSlot, LevelSlot, PruneRatioSlot, StemTargetSlot,
+    TrunkFormSlot,
 };
 pub use species::{
     Accepted, BarkSpec, CrownShape, Dialect, Fault, Key, LeafShape, LeafTarget, LeavesSpec,

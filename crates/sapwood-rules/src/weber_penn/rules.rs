@@ -1,8 +1,10 @@
 //! The rules that compile trees.
 //!
-//! [`full`] makes surfaces and leaves; [`skeleton`] is a layer over it that draws lines instead,
-//! and [`segments`] one that draws each segment by itself, from the same stems.
+//! [`full`] makes surfaces and leaves. Over it lie, from the same stems, [`skeleton`], which draws lines
+//! instead, [`segments`], which draws each segment by itself, and [`fading`], which draws less of
+//! everything from afar.
 
+mod fading;
 mod geometry;
 mod pruning;
 mod segments;
@@ -34,4 +36,14 @@ pub fn skeleton() -> RuleSet {
 /// ([`WeldPieces`](sapwood_graph::WeldPieces)); stems and leaves are shared with [`full`].
 pub fn segments() -> RuleSet {
     RuleSet::new().with(segments::SegmentsRule).over(&full())
+}
+
+/// Trees of which less is drawn the further away they are from the view's
+/// [`Viewer`](sapwood_scene::Viewer), as [`FadingSlot`](super::FadingSlot) says; stems are shared with
+/// [`full`]. Polygons give way to lines, which have no material, and those of leaves to triangles.
+pub fn fading() -> RuleSet {
+    RuleSet::new()
+        .with(fading::FadingSurfaceRule)
+        .with(fading::FadingLeavesRule::default())
+        .over(&full())
 }

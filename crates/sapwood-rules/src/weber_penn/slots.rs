@@ -7,7 +7,8 @@ use sapwood_graph::Material;
 use sapwood_scene::{Attribute, Held, Slot};
 
 use super::{
-    BarkLook, Crown, Detail, LeafLook, LeafParams, LeafTarget, Level, Species, Target, TrunkForm,
+    BarkLook, Crown, Detail, FadingParams, LeafLook, LeafParams, LeafTarget, Level, Species,
+    Target, TrunkForm,
 };
 
 macro_rules! slot {
@@ -43,6 +44,10 @@ slot! {
 slot! {
     /// How finely stems are meshed.
     DetailSlot: Detail = "weber_penn.detail", Detail::default()
+}
+slot! {
+    /// How trees fade under the rules that have them do so.
+    FadingSlot: FadingParams = "weber_penn.fading", FadingParams::default()
 }
 slot! {
     /// The bark of the species, of which the rules make the material of stems.

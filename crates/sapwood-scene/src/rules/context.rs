@@ -10,7 +10,7 @@ use std::sync::Arc;
 use sapwood_geom::glam::Affine3;
 use sapwood_geom::{Bound, Digest, Polyline, Shared, SharedMesh};
 use sapwood_graph::{
-    Camera, Diagnostic, Facing, Fragment, FragmentBuilder, Interrupted, Kind, Label, Light,
+    Camera, Diagnostic, Facing, Fading, Fragment, FragmentBuilder, Interrupted, Kind, Label, Light,
     Material, Part, Parts, Shown,
 };
 use smallvec::SmallVec;
@@ -333,6 +333,14 @@ impl<'a> Context<'a> {
     /// the eye.
     pub fn facing(&mut self, facing: Facing, inside: impl FnOnce(&mut Self)) {
         self.fragment.open_facing(facing);
+        inside(self);
+        self.fragment.close();
+    }
+
+    /// Has less drawn, further from the eye, of what `inside` draws: of each mesh, of instances and
+    /// of lines as if nothing else were there. What it emits is not concerned.
+    pub fn fading(&mut self, fading: Fading, inside: impl FnOnce(&mut Self)) {
+        self.fragment.open_fading(fading);
         inside(self);
         self.fragment.close();
     }

@@ -73,6 +73,7 @@ fn described(list: &DrawList, camera: &PlacedCamera) -> String {
         vector(eye),
     );
     let mut materials: Vec<(String, Mesh)> = Vec::new();
+    let list = list.as_drawn();
     for (world, row) in list.placed_rows() {
         let [r, g, b, _] = row.material.base_color;
         let color = format!("<{r},{g},{b}>");

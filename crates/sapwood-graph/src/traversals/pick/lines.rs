@@ -3,7 +3,7 @@
 use sapwood_geom::glam::{Affine3, DVec3};
 use sapwood_geom::{Polyline, Ray};
 
-use crate::Label;
+use crate::{DrawRange, Label};
 
 /// Where a ray passes a line.
 pub(super) struct Passed {
@@ -22,12 +22,13 @@ pub(super) struct Passed {
 pub(super) fn pass_lines(
     ray: &Ray,
     lines: &[Polyline],
+    drawn: DrawRange,
     world: &Affine3,
     by: f64,
     reach: f64,
 ) -> Option<Passed> {
     let mut first: Option<Passed> = None;
-    for (line, points) in lines.iter().enumerate() {
+    for (line, points) in (drawn.first as usize..).zip(drawn.of(lines)) {
         let point = |i: usize| world.transform_point3(points.points[i]).as_dvec3();
         // A line of one point is a stretch of no length.
         let n_stretches = points.points.len().saturating_sub(1).max(points.points.len().min(1));
@@ -86,7 +87,8 @@ mod tests {
     fn passed(points: &[Vec3], by: f64) -> Option<(f64, u32, f64)> {
         let line = Polyline { points: points.to_vec(), radii: vec![0.0; points.len()] };
         let ray = Ray::new(Vec3::new(0.0, 0.0, 5.0), Vec3::NEG_Z);
-        let passed = pass_lines(&ray, &[line], &Affine3::IDENTITY, by, f64::INFINITY)?;
+        let all = DrawRange { first: 0, end: 1 };
+        let passed = pass_lines(&ray, &[line], all, &Affine3::IDENTITY, by, f64::INFINITY)?;
         Some((passed.distance, passed.stretch, passed.along))
     }
 

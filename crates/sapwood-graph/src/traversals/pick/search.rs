@@ -11,7 +11,10 @@ use sapwood_geom::{
 use super::lines::{Passed, meet_label, pass_lines};
 use super::sight::Sight;
 use super::{Hit, PickOptions, PickedPart, PickedSides, Struck};
-use crate::{EnvId, Interrupted, Material, PlanRef, RenderNode, Run, SiteId, Supplied, Supply};
+use crate::{
+    DrawRange, EnvId, Fading, FadingAbove, Interrupted, Material, PlanRef, RenderNode, Run, SiteId,
+    Supplied, Supply,
+};
 
 pub(super) struct Search<'a> {
     supply: &'a dyn Supply,
@@ -61,9 +64,30 @@ struct Found {
 }
 
 enum Thing {
-    Triangle { hit: MeshHit, instance: Option<u32> },
+    /// With an instance the number of it, and how much larger it is drawn.
+    Triangle {
+        hit: MeshHit,
+        instance: Option<(u32, f32)>,
+    },
     Line(Passed),
     Label,
+}
+
+/// A mesh repeated, as far as it is drawn.
+struct Instances<'a> {
+    mesh: &'a SharedMesh,
+    material: &'a Material,
+    transforms: &'a [Affine3],
+    part: DrawRange,
+    growth: f32,
+}
+
+/// An instance that is drawn larger about its own origin.
+fn grown(transform: &Affine3, growth: f32) -> Affine3 {
+    if growth == 1.0 {
+        return *transform;
+    }
+    *transform * Affine3::from_scale(Vec3::splat(growth))
 }
 
 impl<'a> Search<'a> {
@@ -127,21 +151,29 @@ impl<'a> Search<'a> {
         let mut above: Vec<(u32, Affine3)> = Vec::new();
         let mut here = frame.world;
         let mut sight: Option<Sight> = None;
+        let mut fading = FadingAbove::default();
         for index in 0..plan.fragment.len() {
             while let Some((_, outer)) = above.pop_if(|(end, _)| *end <= index) {
                 (here, sight) = (outer, None);
             }
+            fading.go_on_to(index);
             let place = match plan.fragment.node(index) {
                 RenderNode::Group | RenderNode::Light(_) | RenderNode::Camera(_) => continue,
                 RenderNode::Transform(transform) => *transform,
                 RenderNode::Live(live) => plan.live[live as usize],
                 RenderNode::Facing(facing) => facing.turn(&here, self.supply.eye()),
+                RenderNode::Fading(below) => {
+                    let range = Fading::range(&here, self.supply.eye());
+                    fading.enter(plan.fragment.after(index), below, range);
+                    continue;
+                }
                 drawn @ (RenderNode::Mesh { .. }
                 | RenderNode::Instances { .. }
                 | RenderNode::Lines(_)
                 | RenderNode::Label(_)) => {
                     let sight = sight.get_or_insert_with(|| Sight::new(self.ray, &here));
-                    self.meet(&plan, index, drawn, sight, step);
+                    let part = fading.drawn(plan.fragment.n_drawn(index).unwrap_or(1));
+                    self.meet(&plan, index, drawn, part, sight, step);
                     continue;
                 }
                 RenderNode::Deferred(run) => {
@@ -189,6 +221,7 @@ impl<'a> Search<'a> {
         plan: &PlanRef<'_>,
         node: u32,
         drawn: RenderNode<'_>,
+        (part, growth): (DrawRange, f32),
         sight: &Sight,
         step: u32,
     ) {
@@ -201,15 +234,17 @@ impl<'a> Search<'a> {
         let world = sight.world;
         let found = match drawn {
             RenderNode::Mesh { mesh, material } => {
-                let hit = self.meet_mesh(mesh, material, sight, reach);
+                let hit = self.meet_mesh(mesh, part, material, sight, reach);
                 hit.map(|hit| (hit.distance, Thing::Triangle { hit, instance: None }))
             }
             RenderNode::Instances { mesh, material, transforms } => {
-                let hit = self.meet_instances(plan, node, mesh, material, transforms, sight);
-                hit.map(|(i, hit)| (hit.distance, Thing::Triangle { hit, instance: Some(i) }))
+                let instances = Instances { mesh, material, transforms, part, growth };
+                let hit = self.meet_instances(plan, node, &instances, sight);
+                let instance = |i| Some((i, growth));
+                hit.map(|(i, hit)| (hit.distance, Thing::Triangle { hit, instance: instance(i) }))
             }
             RenderNode::Lines(lines) => self.options.line_radius.and_then(|_| {
-                let passed = pass_lines(self.ray, lines, &world, f64::from(by), reach)?;
+                let passed = pass_lines(self.ray, lines, part, &world, f64::from(by), reach)?;
                 Some((passed.distance, Thing::Line(passed)))
             }),
             RenderNode::Label(label) => {
@@ -222,6 +257,7 @@ impl<'a> Search<'a> {
             | RenderNode::Transform(_)
             | RenderNode::Live(_)
             | RenderNode::Facing(_)
+            | RenderNode::Fading(_)
             | RenderNode::Light(_)
             | RenderNode::Camera(_)
             | RenderNode::Deferred(_) => None,
@@ -243,16 +279,21 @@ impl<'a> Search<'a> {
     fn meet_mesh(
         &self,
         mesh: &SharedMesh,
+        part: DrawRange,
         material: &Material,
         sight: &Sight,
         reach: f64,
     ) -> Option<MeshHit> {
         let sides = self.sides(material);
         match &sight.inside {
-            Some(ray) => mesh.bvh().closest(mesh, ray, reach, sides),
+            Some(ray) => {
+                let is_drawn = |triangle| part.contains(triangle);
+                mesh.bvh().closest_where(mesh, ray, reach, sides, is_drawn)
+            }
             None => {
                 let world = sight.world.as_daffine3();
-                closest_on_transformed(mesh, &world, self.ray, reach, sides)
+                let triangles = part.numbers();
+                closest_on_transformed(mesh, triangles, &world, self.ray, reach, sides)
             }
         }
     }
@@ -261,17 +302,20 @@ impl<'a> Search<'a> {
         &self,
         plan: &PlanRef<'_>,
         node: u32,
-        mesh: &SharedMesh,
-        material: &Material,
-        transforms: &[Affine3],
+        instances: &Instances<'_>,
         sight: &Sight,
     ) -> Option<(u32, MeshHit)> {
+        let Instances { mesh, material, transforms, part, growth } = *instances;
+        let triangles = DrawRange { first: 0, end: mesh.n_triangles() as u32 };
         let mut closest: Option<(u32, MeshHit)> = None;
         let mut reach = self.reach();
         let mut look = |instance: u32| {
-            let world = sight.world * transforms[instance as usize];
+            if !part.contains(instance) {
+                return reach;
+            }
+            let world = sight.world * grown(&transforms[instance as usize], growth);
             let sight = Sight::new(self.ray, &world);
-            if let Some(hit) = self.meet_mesh(mesh, material, &sight, reach) {
+            if let Some(hit) = self.meet_mesh(mesh, triangles, material, &sight, reach) {
                 let precedes =
                     |known: (u32, MeshHit)| (hit.distance, instance) < (known.1.distance, known.0);
                 if closest.is_none_or(precedes) {
@@ -284,7 +328,7 @@ impl<'a> Search<'a> {
         match (&sight.inside, plan.fragment.instance_tree(node)) {
             (Some(ray), Some(tree)) => tree.along(ray, self.reach(), look),
             _ => {
-                for instance in 0..transforms.len() as u32 {
+                for instance in part.numbers() {
                     look(instance);
                 }
             }
@@ -368,11 +412,11 @@ impl Search<'_> {
         plan: &PlanRef<'_>,
         found: &Found,
         hit: &MeshHit,
-        instance: Option<u32>,
+        instance: Option<(u32, f32)>,
     ) -> (DVec3, DVec3, Struck) {
         let (mesh, world): (&Mesh, Affine3) = match (plan.fragment.node(found.node), instance) {
-            (RenderNode::Instances { mesh, transforms, .. }, Some(i)) => {
-                (mesh, found.world * transforms[i as usize])
+            (RenderNode::Instances { mesh, transforms, .. }, Some((i, growth))) => {
+                (mesh, found.world * grown(&transforms[i as usize], growth))
             }
             (RenderNode::Mesh { mesh, .. }, _) => (mesh, found.world),
             (
@@ -381,6 +425,7 @@ impl Search<'_> {
                 | RenderNode::Transform(_)
                 | RenderNode::Live(_)
                 | RenderNode::Facing(_)
+                | RenderNode::Fading(_)
                 | RenderNode::Lines(_)
                 | RenderNode::Light(_)
                 | RenderNode::Camera(_)
@@ -409,7 +454,7 @@ impl Search<'_> {
         let shading = if shading.dot(normal) < 0.0 { -shading } else { shading };
         let struck = Struck::Triangle {
             triangle: hit.triangle,
-            instance,
+            instance: instance.map(|(i, _)| i),
             weights: weights.map(|weight| weight as f32),
             shading_normal: shading.as_vec3(),
             uv,
@@ -423,7 +468,7 @@ impl Search<'_> {
     fn part(&self, found: &Found, plan: &PlanRef<'_>, ways: &[Way]) -> Option<PickedPart> {
         let shown = plan.fragment.shown(found.node)?;
         let number = match &found.thing {
-            Thing::Triangle { instance: Some(instance), .. } => *instance,
+            Thing::Triangle { instance: Some((instance, _)), .. } => *instance,
             Thing::Triangle { hit, instance: None } => hit.triangle,
             Thing::Line(Passed { line, .. }) => *line,
             Thing::Label => return None,

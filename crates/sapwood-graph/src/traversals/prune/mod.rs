@@ -237,27 +237,34 @@ fn draw(
     at: &At<'_, Standing>,
 ) -> Result<(), TooManyRows> {
     let (local, envelope) = (*at.world(), &pruning.prune.envelope);
+    let fragment = at.plan().fragment;
+    // What is cut does not fade: it is there as from nearby.
+    if let (Some(fading), Some(n)) = (fragment.fading_of(at.index()), fragment.n_drawn(at.index()))
+        && fading.drawn(n as u32, 0.0).is_empty()
+    {
+        return Ok(());
+    }
     let is_here = || at.state().side() == Side::Inside || envelope.contains(local.translation);
     match at.node() {
         RenderNode::Mesh { mesh, material } => {
             let Some(mesh) = of_mesh(pruning, at, mesh) else { return Ok(()) };
             let material = Arc::clone(material);
             drawing.add(at, |body| {
-                body.rows.push(DrawRow { local, mesh, material, instances: None });
+                body.rows.push(DrawRow { local, mesh, material, instances: None, range: None });
             })
         }
         RenderNode::Instances { mesh, material, transforms } => {
             for (mesh, instances) in of_instances(pruning, at, mesh, transforms) {
                 let material: Arc<Material> = Arc::clone(material);
                 drawing.add(at, |body| {
-                    body.rows.push(DrawRow { local, mesh, material, instances });
+                    body.rows.push(DrawRow { local, mesh, material, instances, range: None });
                 })?;
             }
             Ok(())
         }
         RenderNode::Lines(lines) => {
             let Some(lines) = of_lines(pruning, at, lines) else { return Ok(()) };
-            drawing.add(at, |body| body.lines.push(LineRow { local, lines }))
+            drawing.add(at, |body| body.lines.push(LineRow { local, lines, range: None }))
         }
         RenderNode::Light(light) => {
             if light.shape != LightShape::Directional && !is_here() {
@@ -278,6 +285,7 @@ fn draw(
         | RenderNode::Transform(_)
         | RenderNode::Live(_)
         | RenderNode::Facing(_)
+        | RenderNode::Fading(_)
         | RenderNode::Deferred(_) => Ok(()),
     }
 }

@@ -17,6 +17,15 @@ impl Verifier<'_> {
                     self.look_at_transform(kind, &format!("transform {index}"), transform);
                 }
                 RenderNode::Facing(Facing::Eye) => {}
+                RenderNode::Fading(fading) => {
+                    let mut below = index + 1;
+                    while below < plan.fragment.after(index) {
+                        let fault = plan.fragment.n_drawn(below).and_then(|n| fading.fault(n));
+                        self.tell_fault(kind, "node", fault);
+                        let is_nested = matches!(plan.fragment.node(below), RenderNode::Fading(_));
+                        below = if is_nested { plan.fragment.after(below) } else { below + 1 };
+                    }
+                }
                 RenderNode::Facing(Facing::Axis(axis)) => {
                     if (axis.length() - 1.0).abs() > 1e-3 || !axis.is_finite() {
                         let message = format!("turns about {axis}, which is no unit vector");
@@ -125,7 +134,7 @@ impl Verifier<'_> {
             let mut lengths = self.supply.plan(*site).parts.lengths();
             lengths.find(|(kind, _)| *kind == shown.kind()).map(|(_, n_rows)| n_rows)
         });
-        let most = (n as u32).checked_sub(1).and_then(|last| shown.row(last));
+        let most = shown.largest_row(n);
         let message = match (n_rows, most) {
             (None, Some(_)) => {
                 format!("shows parts of kind {} that nothing here has", shown.kind())

@@ -124,13 +124,60 @@ pub fn surface<E>(
     form: &TrunkForm,
     detail: &Detail,
     bark_width: f32,
+    charge: impl FnMut(usize) -> Result<(), E>,
+) -> Result<Mesh, E> {
+    swept(stems, form, detail, bark_width, charge, |_, _| ())
+}
+
+/// A stretch of a stem's tube, between two of its rings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Band {
+    /// The stem, an index into [`Stems::stems`].
+    pub stem: u32,
+    /// The number behind its last triangle; it begins where the band before ends.
+    pub end: u32,
+    /// The rings at its ends.
+    pub rings: [Ring; 2],
+}
+
+/// As [`surface`], with the bands that it consists of, in the order of their triangles.
+///
+/// # Errors
+/// The first refusal of `charge`.
+pub(crate) fn banded_surface<E>(
+    stems: &Stems,
+    form: &TrunkForm,
+    detail: &Detail,
+    bark_width: f32,
+    charge: impl FnMut(usize) -> Result<(), E>,
+) -> Result<(Mesh, Vec<Band>), E> {
+    let (mut bands, mut end) = (Vec::new(), 0);
+    let mesh = swept(stems, form, detail, bark_width, charge, |stem, tubes| {
+        let forks = tubes.forks.on_tube();
+        let narrow: Vec<_> =
+            forks.map(|(row, fork, tube)| (row.ring, fork.n_narrow(tube))).collect();
+        for (n, rings) in tubes.sweep.stretches(&tubes.sections[tubes.section].1, &narrow) {
+            end += n as u32;
+            bands.push(Band { stem: stem as u32, end, rings });
+        }
+    })?;
+    Ok((mesh, bands))
+}
+
+fn swept<E>(
+    stems: &Stems,
+    form: &TrunkForm,
+    detail: &Detail,
+    bark_width: f32,
     mut charge: impl FnMut(usize) -> Result<(), E>,
+    mut laid: impl FnMut(usize, &Tubes<'_>),
 ) -> Result<Mesh, E> {
     let mut mesh = Mesh::default();
     let mut tubes = Tubes::new(stems, form, detail, bark_width);
     tubes.reserve(&mut mesh);
     for index in 0..stems.stems.len() {
         charge(tubes.lay(index))?;
+        laid(index, &tubes);
         tubes.write(&mut mesh);
     }
     Ok(mesh)

@@ -148,7 +148,7 @@ impl Default for LeavesRule {
 }
 
 impl LeavesRule {
-    fn mesh(&self, shape: LeafShape, outline: Option<LeafOutline>) -> SharedMesh {
+    pub(super) fn mesh(&self, shape: LeafShape, outline: Option<LeafOutline>) -> SharedMesh {
         let mut meshes = self.meshes.lock().unwrap_or_else(|broken| broken.into_inner());
         let new =
             || SharedMesh::new(outline.map_or_else(|| leaf_mesh(shape), |o| leaf_card(shape, o)));
@@ -210,7 +210,7 @@ impl Rule for LeavesRule {
 
 /// The transform that puts the unit leaf in its place: as wide, as thick and as long as the
 /// leaf is wide, wide and long.
-fn placed(leaf: &Leaf) -> Affine3 {
+pub(super) fn placed(leaf: &Leaf) -> Affine3 {
     let axes = leaf.frame.axes;
     let scaled = Mat3::from_cols(
         axes.x_axis * leaf.width,

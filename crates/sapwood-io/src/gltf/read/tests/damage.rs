@@ -31,6 +31,7 @@ pub(super) fn written() -> DrawList {
         mesh: SharedMesh::new(mesh.clone()),
         material: material.into(),
         instances: instances.map(Shared::new),
+        range: None,
     };
     let at = |x: f32| Affine3::from_translation(Vec3::new(x, 0.5, 0.0));
     let tree = Body {
