@@ -66,7 +66,7 @@ fn wrong_arguments_exit_with_2_and_write_nothing() {
     check("-o tree", "accepted: names that end in .glb, .gltf, .obj, .svg or .png");
     check("-o", "a value is required");
     check("--detail skeleton -o tree.glb", "glTF files hold surfaces");
-    check("--detail fine", "[possible values: full, draft, skeleton]");
+    check("--detail fine", "[possible values: full, draft, segments, skeleton]");
     check("--levels 0 -o tree.glb", "(accepted: 1 to 3)");
     check("--levels 4 -o tree.glb", "(accepted: 1 to 3)");
     check("--levels -1", "accepted: 1 up to the levels of the species");
