@@ -1,6 +1,6 @@
 //! What is written and read back draws the same.
 
-use sapwood_geom::{Mesh, Shared};
+use sapwood_geom::{Image, Mesh, Shared};
 use sapwood_graph::{Camera, DrawList, Light, Material, MaterialImages};
 use sapwood_rules::weber_penn::{self, Seed, Tree};
 use sapwood_scene::{Scene, built_in_rules};
