@@ -42,8 +42,8 @@ pub use traversals::{
     AlongRay, Beyond, Body, CameraRow, CountMemo, Counts, DrawList, DrawRow, Fate, Finding, Hit,
     LabelRow, LightRow, LineRow, Merge, Occurrence, PickOptions, PickedPart, PickedSides,
     PiecesReport, Prune, PruneHandlers, Pruning, Report, Severity, Standing, Struck, TooManyRows,
-    TooManyTriangles, WeldPieces, count, diagnostics, draw_list, dump, fragment_bound, pick,
-    pick_compiled, prune, prune_compiled, prune_interest, verify,
+    TooManyTriangles, WeldPieces, count, diagnostics, draw_list, dump, fragment_bound, outline,
+    pick, pick_compiled, prune, prune_compiled, prune_interest, verify,
 };
 #[cfg(feature = "union")]
 pub use traversals::{WeldReport, WeldUnion};

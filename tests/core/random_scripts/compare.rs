@@ -13,6 +13,9 @@ use super::script::Script;
 /// More than any view shows.
 const MANY: usize = 1_000_000;
 
+/// So many components of a view are told of in outlines.
+const A_FEW: usize = 300;
+
 /// How far from where it must be something may be that turns by any angle, relative to how far
 /// out it is: the engine reckons in 32 bits.
 const TOLERANCE: f64 = 1e-3;
@@ -108,12 +111,18 @@ impl Script {
         let (mut cold, id) = self.mirror.rebuilt(view);
         let bounds = self.scene.bounds(view.id).unwrap();
         assert_eq!(bounds, cold.bounds(id).unwrap(), "bounds");
+        let outlines = [self.scene.outline(view.id, A_FEW), cold.outline(id, A_FEW)];
+        let outlines = outlines.map(|outline| {
+            let outline = outline.unwrap();
+            outline.lines().map(str::to_owned).collect::<Vec<_>>()
+        });
         let dumps = [self.scene.dump(view.id, MANY), cold.dump(id, MANY)];
         let [dump, cold] = dumps.map(|dump| {
             let dump = dump.unwrap();
             dump.lines().map(str::to_owned).collect::<Vec<_>>()
         });
         assert_same(&dump, &cold, "dumps");
+        assert_same(&outlines[0], &outlines[1], "outlines");
     }
 
     /// What is met on a walk, by the links that lead there.

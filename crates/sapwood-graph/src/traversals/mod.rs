@@ -6,6 +6,7 @@ mod diagnostics;
 mod draw_list;
 mod dump;
 mod merge;
+mod outline;
 mod pick;
 mod prune;
 #[cfg(feature = "simplify")]
@@ -25,6 +26,7 @@ pub use draw_list::{
 };
 pub use dump::dump;
 pub use merge::{Merge, TooManyTriangles};
+pub use outline::outline;
 pub use pick::{AlongRay, Hit, PickOptions, PickedPart, PickedSides, Struck, pick, pick_compiled};
 pub use prune::{
     Beyond, Fate, Prune, PruneHandlers, Pruning, Standing, prune, prune_compiled, prune_interest,

@@ -25,6 +25,8 @@ pub use selector::Selector;
 pub use switch::Switch;
 pub use transform::Transform;
 
+use sapwood_graph::Kind;
+
 use crate::RuleSet;
 
 /// The rules of the built-in components; the layer that every rule set lies over.
@@ -46,4 +48,17 @@ pub fn built_in_rules() -> RuleSet {
         .with(graph_nodes::LightRule)
         .with(graph_nodes::CameraRule)
         .with(graph_nodes::LabelRule)
+}
+
+/// The kinds that say something of what they hold, and are little by themselves.
+pub(crate) fn kinds_of_attributes() -> [Kind; 7] {
+    [
+        Kind::of::<Attribute>(),
+        Kind::of::<Transform>(),
+        Kind::of::<Switch>(),
+        Kind::of::<Selector>(),
+        Kind::of::<LevelOfDetail>(),
+        Kind::of::<Rotor>(),
+        Kind::of::<Billboard>(),
+    ]
 }

@@ -4,11 +4,12 @@ use sapwood_geom::{Bound, Ray};
 use sapwood_graph::{
     AlongRay, At, Counts, Diagnostic, DrawList, Everything, Finding, Hit, Interest, Interrupted,
     Order, PickOptions, Provide, Prune, PruneHandlers, Report, Severity, Supply, count,
-    diagnostics, discover, draw_list, dump, pick_compiled, prune_compiled, prune_interest, verify,
-    walk,
+    diagnostics, discover, draw_list, dump, outline, pick_compiled, prune_compiled, prune_interest,
+    verify, walk,
 };
 
 use super::Scene;
+use crate::built_in::kinds_of_attributes;
 use crate::compile::{Cache, Pull};
 use crate::{ViewError, ViewId};
 
@@ -152,6 +153,17 @@ impl Scene {
     /// When the view is closed, or compiling was interrupted.
     pub fn dump(&mut self, view: ViewId, max_lines: usize) -> Result<String, ViewError> {
         self.complete(view, |pull| dump(&*pull, max_lines))
+    }
+
+    /// What a view shows, as an outline that a person can read: a paragraph for each component,
+    /// indented below the one that holds it, for at most `max_entries` of them. Where rules made
+    /// lines of text of a component, these are told.
+    ///
+    /// # Errors
+    /// When the view is closed, or compiling was interrupted.
+    pub fn outline(&mut self, view: ViewId, max_entries: usize) -> Result<String, ViewError> {
+        let folded = kinds_of_attributes();
+        self.complete(view, |pull| outline(&*pull, &folded, max_entries))
     }
 
     /// What a ray, in the root's frame, meets first. Compiles only what the ray may meet.
