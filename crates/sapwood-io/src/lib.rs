@@ -29,4 +29,4 @@ pub use species::{
     built_in, built_in_names, built_in_text, find_species, parse_species, read_species, suggest,
     write_species,
 };
-pub use svg::{svg, write_svg};
+pub use svg::{svg, svg_map, write_svg, write_svg_map};

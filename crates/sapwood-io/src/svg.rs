@@ -4,6 +4,7 @@
 //! Depth, colour and surfaces are left to pictures.
 
 mod labels;
+mod map;
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -15,6 +16,8 @@ use sapwood_graph::{DrawList, Kind, LineRow};
 
 use crate::{Error, ErrorKind, FileSet};
 use labels::Text;
+
+pub use map::{svg_map, write_svg_map};
 
 /// Height of the picture in pixels, at the size that a viewer shows it first.
 const PIXELS: f32 = 1000.0;
@@ -181,6 +184,11 @@ impl Frame {
         // Room on the left for the ruler.
         min -= Vec2::new(0.12, 0.04) * extent;
         max += 0.04 * extent;
+        Self::showing([min, max], extent, if max.y > 0.0 { foot.max(0.0) } else { foot })
+    }
+
+    /// What lies between two corners, margins included; `extent` is without them.
+    fn showing([min, max]: [Vec2; 2], extent: f32, foot: f32) -> Self {
         // At least 5,000 units across, and none larger than a metre.
         let mut per_metre = 1.0;
         while extent * per_metre < 5000.0 && per_metre < 1e6 {
@@ -189,7 +197,7 @@ impl Frame {
         Self {
             min,
             max,
-            foot: if max.y > 0.0 { foot.max(0.0) } else { foot },
+            foot,
             per_metre,
             thinnest: 0.5 * THINNEST * (max.y - min.y).max(max.x - min.x) / PIXELS,
         }
@@ -234,8 +242,7 @@ impl Frame {
     fn document(&self, outlines: &str, threads: &str, written: &str) -> String {
         let size = self.max - self.min;
         let (width, height) = (self.length(size.x), self.length(size.y));
-        let pixels = size * (PIXELS / size.max_element());
-        let (wide, high) = (pixels.x.round() as i64, pixels.y.round() as i64);
+        let [wide, high] = self.pixels();
         let mut text = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{wide}\" height=\"{high}\" \
              viewBox=\"0 0 {width} {height}\">\n\
@@ -243,6 +250,21 @@ impl Frame {
              <rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
             unit = 1.0 / self.per_metre,
         );
+        self.strokes(outlines, threads, &mut text);
+        text.push_str(written);
+        self.ruler(&mut text);
+        text.push_str("</svg>\n");
+        text
+    }
+
+    /// Width and height in pixels, at the size that a viewer shows first.
+    fn pixels(&self) -> [i64; 2] {
+        let size = self.max - self.min;
+        (size * (PIXELS / size.max_element())).to_array().map(|pixels| pixels.round() as i64)
+    }
+
+    /// Adds paths of strokes that were written before.
+    fn strokes(&self, outlines: &str, threads: &str, text: &mut String) {
         if !threads.is_empty() {
             let thick = self.length(2.0 * self.thinnest);
             let _ = writeln!(
@@ -260,10 +282,6 @@ impl Frame {
                 outlines.trim_end()
             );
         }
-        text.push_str(written);
-        self.ruler(&mut text);
-        text.push_str("</svg>\n");
-        text
     }
 
     /// An upright scale bar with its length in metres, standing on the ground.

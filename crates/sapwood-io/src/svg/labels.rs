@@ -87,14 +87,14 @@ impl<'a> Text<'a> {
 }
 
 /// A number with four decimals at most.
-fn rounded(number: f32) -> f32 {
+pub(super) fn rounded(number: f32) -> f32 {
     let rounded = (number * 1e4).round() / 1e4;
     // Not -0.
     if rounded == 0.0 { 0.0 } else { rounded }
 }
 
 /// A linear channel as sRGB has it.
-fn encoded(linear: f32) -> u8 {
+pub(super) fn encoded(linear: f32) -> u8 {
     let linear = linear.clamp(0.0, 1.0);
     let encoded = if linear <= 0.003_130_8 {
         12.92 * linear
