@@ -16,4 +16,5 @@ mod styles;
 mod targets;
 mod threads;
 mod trees;
+mod views;
 mod welding;

@@ -35,6 +35,18 @@ pub fn fading_rules() -> scene::RuleSet {
     rules::weber_penn::fading().over(&images::rules()).over(&scene::built_in_rules())
 }
 
+/// The rule set that draws trees as on a map, flat on the ground with their crowns' outlines, names
+/// and heights, and everything else as it is, for [`svg_map`](io::svg_map).
+pub fn map_rules() -> scene::RuleSet {
+    rules::weber_penn::map().over(&images::rules()).over(&scene::built_in_rules())
+}
+
+/// The rule set that tells of trees in lines of text and draws everything else as it is, for
+/// [`Scene::outline`](scene::Scene::outline).
+pub fn text_rules() -> scene::RuleSet {
+    rules::weber_penn::text().over(&images::rules()).over(&scene::built_in_rules())
+}
+
 /// The README's example, compiled and run with the documentation tests.
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]

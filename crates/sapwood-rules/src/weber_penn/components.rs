@@ -6,6 +6,9 @@
 //! batches of [`Twigs`], one for each branch and level, with their surface and their own children
 //! or leaves. Stems, segments and leaves are parts of these. Everything below the tree
 //! is in tree space: z up, metres.
+//!
+//! Rules that tell of trees compile them into a [`TreeSurvey`] instead, which asks for the same
+//! branches and twigs as ingredients.
 
 use sapwood_geom::{Content, Digester, Shared, content};
 use sapwood_graph::{Named, Part};
@@ -130,6 +133,53 @@ impl Named for Leaves {
 }
 
 impl Component for Leaves {}
+
+/// A tree as a whole, for rules that tell of it instead of drawing it.
+#[derive(Clone, Debug)]
+pub struct TreeSurvey {
+    /// What tells the tree from others of its species.
+    pub seed: Seed,
+    /// What its trunks grow from.
+    pub trunks: Shared<Vec<StemSeed>>,
+}
+
+content!(TreeSurvey { seed, trunks });
+
+impl Named for TreeSurvey {
+    const NAME: &'static str = "tree_survey";
+}
+
+impl Component for TreeSurvey {}
+
+/// An ingredient: branches, with everything that grows on them.
+#[derive(Clone, Debug)]
+pub struct SurveyedBranches {
+    /// What each of them grows from.
+    pub seeds: Shared<Vec<StemSeed>>,
+}
+
+content!(SurveyedBranches { seeds });
+
+impl Named for SurveyedBranches {
+    const NAME: &'static str = "surveyed_branches";
+}
+
+impl Component for SurveyedBranches {}
+
+/// An ingredient: everything that grows on stems.
+#[derive(Clone, Debug)]
+pub struct SurveyedGrowth {
+    /// The stems.
+    pub stems: Shared<Stems>,
+}
+
+content!(SurveyedGrowth { stems });
+
+impl Named for SurveyedGrowth {
+    const NAME: &'static str = "surveyed_growth";
+}
+
+impl Component for SurveyedGrowth {}
 
 impl Named for Stem {
     const NAME: &'static str = "stem";

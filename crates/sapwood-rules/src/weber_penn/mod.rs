@@ -18,10 +18,14 @@ mod prune;
 mod rules;
 mod slots;
 mod species;
+mod survey;
 #[cfg(test)]
 mod tests;
 
-pub use components::{Branch, Children, Leaves, Seed, StemSurface, Tree, Twigs};
+pub use components::{
+    Branch, Children, Leaves, Seed, StemSurface, SurveyedBranches, SurveyedGrowth, Tree,
+    TreeSurvey, Twigs,
+};
 pub use fading::{FadingItem, FadingParams, Season, faded};
 pub use geometry::{
     Detail, closed_stems, leaf_card, leaf_mesh, segments as stem_segments, surface,
@@ -33,11 +37,11 @@ pub use growth::{
 pub use look::{BarkLook, LeafLook};
 pub use params::{Crown, LeafParams, Level, Pruning, TrunkForm};
 pub use prune::prune_handlers;
-pub use rules::{fading, full, segments, skeleton};
+pub use rules::{fading, full, map, segments, skeleton, text};
 pub use slots::{
     BarkLookSlot, BarkSlot, CrownSlot, DetailSlot, FadingSlot, FoliageSlot, IsPrunedSlot,
-    LeafLookSlot, LeafTargetSlot, LeavesSlot, LevelSlot, PruneRatioSlot, StemTargetSlot,
-    TrunkFormSlot,
+    LeafLookSlot, LeafTargetSlot, LeavesSlot, LevelSlot, PruneRatioSlot, SpeciesNameSlot,
+    StemTargetSlot, TrunkFormSlot,
 };
 pub use species::{
     Accepted, BarkSpec, CrownShape, Dialect, Fault, Key, LeafShape, LeafTarget, LeavesSpec,

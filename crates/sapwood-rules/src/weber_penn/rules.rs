@@ -1,15 +1,18 @@
 //! The rules that compile trees.
 //!
 //! [`full`] makes surfaces and leaves. Over it lie, from the same stems, [`skeleton`], which draws lines
-//! instead, [`segments`], which draws each segment by itself, and [`fading`], which draws less of
-//! everything from afar.
+//! instead, [`segments`], which draws each segment by itself, [`fading`], which draws less of
+//! everything from afar, and [`map`] and [`text`], which tell of trees as a whole.
 
 mod fading;
 mod geometry;
+mod map;
 mod pruning;
 mod segments;
 mod skeleton;
 mod structure;
+mod survey;
+mod text;
 
 use sapwood_scene::RuleSet;
 
@@ -46,4 +49,26 @@ pub fn fading() -> RuleSet {
         .with(fading::FadingSurfaceRule)
         .with(fading::FadingLeavesRule::default())
         .over(&full())
+}
+
+/// What [`map`] and [`text`] have in common.
+fn survey() -> RuleSet {
+    RuleSet::new()
+        .with(survey::SurveyedTreeRule)
+        .with(survey::SurveyedBranchesRule)
+        .with(survey::SurveyedGrowthRule)
+        .with(survey::LeafTallyRule)
+        .over(&full())
+}
+
+/// Trees as on a map, flat on the ground: the disc and the outline of the crown that grew, the
+/// trunk, and a label with name and height; stems are shared with [`full`].
+pub fn map() -> RuleSet {
+    RuleSet::new().with(map::TreeMapRule).over(&survey())
+}
+
+/// Trees as lines of text: size, crown, stems by level, the longest branches and leaves; stems are
+/// shared with [`full`].
+pub fn text() -> RuleSet {
+    RuleSet::new().with(text::TreeTextRule).over(&survey())
 }

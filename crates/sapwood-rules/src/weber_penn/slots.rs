@@ -34,6 +34,10 @@ slot! {
     CrownSlot: Crown = "weber_penn.crown", Crown::new(&Species::default())
 }
 slot! {
+    /// The name of the species, for people.
+    SpeciesNameSlot: String = "weber_penn.species_name", String::new()
+}
+slot! {
     /// What the trunk's surface needs beyond its level.
     TrunkFormSlot: TrunkForm = "weber_penn.trunk_form", TrunkForm::new(&Species::default())
 }
@@ -116,6 +120,7 @@ impl Species {
     /// below.
     pub fn set(&self, attribute: &mut Attribute) {
         let [level_0, level_1, level_2, level_3] = Level::all(self);
+        attribute.set::<SpeciesNameSlot>(self.name.clone());
         attribute.set::<CrownSlot>(Crown::new(self));
         attribute.set::<TrunkFormSlot>(TrunkForm::new(self));
         attribute.set::<LevelSlot<0>>(level_0);

@@ -49,51 +49,61 @@ impl Rule for TreeRule {
     const NAME: &'static str = "weber_penn.tree";
 
     fn init(&self, tree: &Tree, cx: &mut Context<'_>) -> Result<(), RuleError> {
-        let path = match tree.seed {
-            Seed::Explicit(seed) => StreamPath::new(seed),
-            Seed::Path => *cx.read::<ChildPath>(),
-            Seed::Position { cell } if cell > 0.0 => cx.project(CellOf { cell }),
-            Seed::Position { cell } => {
-                return Err(RuleError::Failed(format!("seed cells of {cell} m have no size")));
+        plant(tree, cx, |seeds, reach, cx| {
+            for (key, seed) in (0..).zip(seeds) {
+                let foreseen = reach.bound(seed.frame.origin, seed.length);
+                cx.emit_keyed(key, Branch { seed }, foreseen);
             }
-        };
-        let crown = cx.read::<CrownSlot>();
-        let trunk = level(cx, 0);
-        let leaf_target = cx.project(LeafTargetInWorld);
-        let upright = upright();
-        let (stem_target, leaf_target) = match (&crown.target, &leaf_target) {
-            (Target::Up, LeafTarget::Outward | LeafTarget::Scattered) => (Target::Up, leaf_target),
-            _ => {
-                let to_tree = (*cx.read::<Placement>() * upright).inverse();
-                if !to_tree.is_finite() {
-                    return Err(RuleError::Failed(
-                        "a tree scaled to nothing cannot turn toward a target in the world".into(),
-                    ));
-                }
-                (stem_target_in(&crown.target, &to_tree), leaf_target_in(&leaf_target, &to_tree))
-            }
-        };
-        let seeds = trunks(&crown, &trunk, path, &mut charging(cx))?;
-        let mut reach = cx.project(ForeseenReach { topped: false });
-        let trunks = seeds.iter().map(|seed| (seed.frame.origin, seed.length)).collect();
-        let is_pruned = cx.project(IsPruned { trunks, reach });
-        if is_pruned {
-            reach = cx.project(ForeseenReach { topped: true });
+        })
+    }
+}
+
+/// Finds the trunks of a tree, and adds what `emit` makes of them where they stand: in tree space,
+/// below what the tree sets for all its stems.
+pub(super) fn plant(
+    tree: &Tree,
+    cx: &mut Context<'_>,
+    emit: impl FnOnce(Vec<StemSeed>, Reach, &mut Context<'_>),
+) -> Result<(), RuleError> {
+    let path = match tree.seed {
+        Seed::Explicit(seed) => StreamPath::new(seed),
+        Seed::Path => *cx.read::<ChildPath>(),
+        Seed::Position { cell } if cell > 0.0 => cx.project(CellOf { cell }),
+        Seed::Position { cell } => {
+            return Err(RuleError::Failed(format!("seed cells of {cell} m have no size")));
         }
-        cx.transform(upright, |cx| {
-            cx.push::<IsPrunedSlot>(is_pruned, |cx| {
-                cx.push::<StemTargetSlot>(stem_target, |cx| {
-                    cx.push::<LeafTargetSlot>(leaf_target, |cx| {
-                        for (key, seed) in (0..).zip(seeds) {
-                            let foreseen = reach.bound(seed.frame.origin, seed.length);
-                            cx.emit_keyed(key, Branch { seed }, foreseen);
-                        }
-                    });
-                });
+    };
+    let crown = cx.read::<CrownSlot>();
+    let trunk = level(cx, 0);
+    let leaf_target = cx.project(LeafTargetInWorld);
+    let upright = upright();
+    let (stem_target, leaf_target) = match (&crown.target, &leaf_target) {
+        (Target::Up, LeafTarget::Outward | LeafTarget::Scattered) => (Target::Up, leaf_target),
+        _ => {
+            let to_tree = (*cx.read::<Placement>() * upright).inverse();
+            if !to_tree.is_finite() {
+                return Err(RuleError::Failed(
+                    "a tree scaled to nothing cannot turn toward a target in the world".into(),
+                ));
+            }
+            (stem_target_in(&crown.target, &to_tree), leaf_target_in(&leaf_target, &to_tree))
+        }
+    };
+    let seeds = trunks(&crown, &trunk, path, &mut charging(cx))?;
+    let mut reach = cx.project(ForeseenReach { topped: false });
+    let trunks = seeds.iter().map(|seed| (seed.frame.origin, seed.length)).collect();
+    let is_pruned = cx.project(IsPruned { trunks, reach });
+    if is_pruned {
+        reach = cx.project(ForeseenReach { topped: true });
+    }
+    cx.transform(upright, |cx| {
+        cx.push::<IsPrunedSlot>(is_pruned, |cx| {
+            cx.push::<StemTargetSlot>(stem_target, |cx| {
+                cx.push::<LeafTargetSlot>(leaf_target, |cx| emit(seeds, reach, cx));
             });
         });
-        Ok(())
-    }
+    });
+    Ok(())
 }
 
 /// How far a trunk may reach with everything on it, in steps: most edits of a level make another
@@ -220,26 +230,46 @@ const FIRST_IN_BATCHES: usize = 2;
 /// Compiles what grows on stems into branches, or into twigs beyond those and on the last level.
 pub(super) struct ChildrenRule;
 
+/// What grows on stems, for whoever asks for it as an ingredient.
+pub(super) enum Offspring {
+    None,
+    /// A branch for each seed.
+    Branches(Shared<Vec<StemSeed>>),
+    /// One batch of twigs.
+    Twigs(Shared<Vec<StemSeed>>),
+}
+
+impl Content for Offspring {
+    fn write(&self, digester: &mut Digester) {
+        match self {
+            Self::None => digester.add(&0u8),
+            Self::Branches(seeds) => digester.add(&1u8).add(seeds),
+            Self::Twigs(seeds) => digester.add(&2u8).add(seeds),
+        };
+    }
+}
+
 impl Rule for ChildrenRule {
     type Component = Children;
-    type Data = ();
+    type Data = Offspring;
     const NAME: &'static str = "weber_penn.children";
 
-    fn init(&self, parents: &Children, cx: &mut Context<'_>) -> Result<(), RuleError> {
+    fn init(&self, parents: &Children, cx: &mut Context<'_>) -> Result<Offspring, RuleError> {
         let stems = &parents.stems;
-        let Some(parent) = stems.stems.first() else { return Ok(()) };
+        let Some(parent) = stems.stems.first() else { return Ok(Offspring::None) };
         let n = usize::from(parent.seed.level) + 1;
         let crown = cx.read::<CrownSlot>();
         let form = (n == 1).then(|| cx.read::<TrunkFormSlot>());
         let level = level(cx, n);
         let seeds = children(stems, &crown, form.as_deref(), &level, &mut charging(cx))?;
         if seeds.is_empty() {
-            return Ok(());
+            return Ok(Offspring::None);
         }
         if n < FIRST_IN_BATCHES && n as u32 + 1 < crown.levels {
-            for seed in seeds {
-                cx.emit(Branch { seed });
+            for seed in &seeds {
+                cx.emit(Branch { seed: *seed });
             }
+            Ok(Offspring::Branches(Shared::new(seeds)))
         } else {
             let seeds = match form {
                 // The seeds follow from these alone, so there is no need to read them all.
@@ -251,9 +281,9 @@ impl Rule for ChildrenRule {
                 // A trunk's form seldom changes what grows on it.
                 Some(_) => Shared::new(seeds),
             };
-            cx.emit(Twigs { seeds });
+            cx.emit(Twigs { seeds: seeds.clone() });
+            Ok(Offspring::Twigs(seeds))
         }
-        Ok(())
     }
 }
 
