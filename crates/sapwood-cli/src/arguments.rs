@@ -31,6 +31,8 @@ Examples:
   sapwood grow my_species.toml --at 12,0,-3.5 --detail skeleton -o lines.svg
   sapwood grow weeping_willow --detail draft --quality 0.5 -o willow.glb
   sapwood grow weeping_willow --levels 2 --json
+  sapwood grow black_tupelo --view text
+  sapwood grow japanese_maple --view map -o maple.svg
   sapwood grow quaking_aspen --weld stem -o welded.glb
   sapwood grow quaking_aspen --weld union -o solid.obj
   sapwood grow quaking_aspen --range 120 -o far.glb -o far.png
@@ -171,10 +173,13 @@ pub(crate) struct GrowArguments {
     #[command(flatten)]
     pub(crate) tree: TreeArguments,
     /// Write a file; may be given several times, and all files are written or none: .glb, .gltf
-    /// (with a .bin) and .obj (with a .mtl) for surfaces and leaves, .svg for the skeleton, .png for
-    /// a picture
+    /// (with a .bin) and .obj (with a .mtl) for surfaces and leaves, .svg for the skeleton or a map,
+    /// .png for a picture, .txt for a text
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<Output>,
+    /// What to show of the tree
+    #[arg(long, value_enum, default_value_t = View::Full, conflicts_with = "detail")]
+    pub(crate) view: View,
     /// Keep only what is inside of a shape: sphere:X,Y,Z,R, box:X0,Y0,Z0,X1,Y1,Z1,
     /// half-space:NX,NY,NZ,D (the side that the normal leads away from), mesh:FILE.glb or
     /// outside:SHAPE, in metres, y up. Stems end where they leave it, and what grows beyond goes
@@ -202,6 +207,29 @@ pub(crate) struct GrowArguments {
     pub(crate) picture: PictureArguments,
     #[command(flatten)]
     pub(crate) turntable: TurntableArguments,
+}
+
+/// What is shown of a tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum View {
+    /// Surfaces and leaves, as finely as --detail says
+    Full,
+    /// Lines with radii, as --detail skeleton
+    Skeleton,
+    /// The crown from above, with the tree's name and height; with -o FILE.svg
+    Map,
+    /// An outline in words, on standard output or with -o FILE.txt
+    Text,
+}
+
+impl GrowArguments {
+    /// The same with the detail that the view has.
+    pub(crate) fn with_detail(mut self) -> Self {
+        if self.view == View::Skeleton {
+            self.tree.detail = Detail::Skeleton;
+        }
+        self
+    }
 }
 
 /// How wood is welded.

@@ -4,6 +4,7 @@ mod held;
 mod json;
 mod output;
 mod summary;
+mod told;
 mod weld;
 
 use std::io::Write;
@@ -17,7 +18,7 @@ use sapwood::rules::weber_penn::prune_handlers;
 use sapwood::scene::{Attribute, Handle, RuleSet, Scene, Style, ViewError, ViewId, Viewer};
 use tracing::{Level, info};
 
-use crate::arguments::{Detail, GrowArguments, Individual, Weld};
+use crate::arguments::{Detail, GrowArguments, Individual, View, Weld};
 use crate::failure::Failure;
 use crate::picture::{self, Extent, Order, Toll, Track};
 use crate::tree;
@@ -34,6 +35,9 @@ pub(crate) fn run(
     watch: &Watch,
     out: &mut dyn Write,
 ) -> Result<(), Failure> {
+    if matches!(arguments.view, View::Map | View::Text) {
+        return told::run(arguments, watch, out);
+    }
     let outcome = grown(arguments, watch);
     watch.done();
     let summary = outcome?;
@@ -262,16 +266,15 @@ fn check_outputs(arguments: &GrowArguments) -> Result<Option<Order>, Failure> {
             output.path().display()
         )));
     }
-    weld::check(arguments)?;
-    let turns = arguments.turntable.turntable;
-    if let Some((first, second, file)) = output::clash(&arguments.output, turns) {
+    if let Some(output) = arguments.output.iter().find(|o| o.format() == Format::Text) {
         return Err(Failure::usage(format!(
-            "{} and {} would both be written to {}; nothing was written",
-            first.path().display(),
-            second.path().display(),
-            file.display()
+            "{}: what is drawn is no text (accepted: with --view text)",
+            output.path().display()
         )));
     }
+    weld::check(arguments)?;
+    let turns = arguments.turntable.turntable;
+    output::refuse_clashes(&arguments.output, turns)?;
     if arguments.tree.detail == Detail::Skeleton && arguments.range.is_some() {
         return Err(Failure::usage(
             "--range: a skeleton does not fade (accepted: with --detail full or draft)".to_owned(),
@@ -352,7 +355,7 @@ mod tests {
     fn parsed(line: &str) -> GrowArguments {
         let line = ["sapwood", "grow"].into_iter().chain(line.split_whitespace());
         match Arguments::try_parse_from(line).unwrap().command {
-            Command::Grow(arguments) => arguments,
+            Command::Grow(arguments) => arguments.with_detail(),
             other => panic!("{other:?}"),
         }
     }
@@ -432,6 +435,28 @@ mod tests {
         );
         let error = grown("quaking_aspen --detail skeleton --range 60").unwrap_err();
         assert!(error.contains("code: 2") && error.contains("does not fade"), "{error}");
+    }
+
+    #[test]
+    fn views_tell_of_the_same_tree() {
+        assert_eq!(sizes("wheat --view skeleton"), sizes("wheat --detail skeleton"));
+        assert_eq!(sizes("wheat --view full"), sizes("wheat"));
+        let text = grown("quaking_aspen --levels 2 --seed 3 --view text").unwrap();
+        assert!(text.starts_with("tree: Quaking Aspen, seed 3\n  "), "{text}");
+        assert!(text.contains("\n  level 1: ") && !text.contains("level 2"), "{text}");
+        for (line, expected) in [
+            ("palm --view map", "--view map: there is no file"),
+            ("palm --view map -o a.txt", "a.txt: --view map is not written to such files"),
+            ("palm --view text -o a.svg", "(accepted: names that end in .txt, or --view full)"),
+            ("palm -o a.txt", "a.txt: what is drawn is no text"),
+            ("palm --view text --weld stem", "--weld: does nothing for --view text"),
+            ("palm --view text --json", "--json: does nothing for --view text"),
+            ("palm --view text --size 4x4", "--size: does nothing for --view text"),
+            ("palm --view text -o a.txt -o ./a.txt", "would both be written to"),
+        ] {
+            let error = grown(line).unwrap_err();
+            assert!(error.contains("code: 2") && error.contains(expected), "{line}: {error}");
+        }
     }
 
     #[test]

@@ -52,7 +52,7 @@ fn run(
     out: &mut dyn Write,
 ) -> Result<(), Failure> {
     match command {
-        Command::Grow(command) => grow::run(&command, &watch(), out),
+        Command::Grow(command) => grow::run(&command.with_detail(), &watch(), out),
         Command::Picture(command) => picture::run(&command, &watch(), out),
         Command::Family(command) => family::run(&command, &watch(), out),
         Command::Dump(command) => dump::run(&command, &watch(), out),

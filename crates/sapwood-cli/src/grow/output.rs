@@ -7,9 +7,10 @@ use std::str::FromStr;
 use sapwood::graph::DrawList;
 use sapwood::io::FileSet;
 
+use crate::failure::Failure;
 use crate::picture;
 
-const ACCEPTED: &str = "accepted: names that end in .glb, .gltf, .obj, .svg or .png";
+const ACCEPTED: &str = "accepted: names that end in .glb, .gltf, .obj, .svg, .png or .txt";
 
 /// A file to be written, or several where a picture is turned.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -25,6 +26,8 @@ pub(crate) enum Format {
     List(ListFormat),
     /// A picture of it.
     Png,
+    /// It in words.
+    Text,
 }
 
 /// How a file holds what is drawn.
@@ -61,7 +64,7 @@ impl Output {
             Format::Png => {
                 return picture::names(&self.path, turns).map(|path| resolved(&path)).collect();
             }
-            Format::List(ListFormat::Glb | ListFormat::Svg) => Vec::new(),
+            Format::List(ListFormat::Glb | ListFormat::Svg) | Format::Text => Vec::new(),
             Format::List(ListFormat::Gltf) => vec![sapwood::io::gltf_buffer_path(&self.path)],
             Format::List(ListFormat::Obj) => vec![
                 sapwood::io::obj_material_path(&self.path),
@@ -91,8 +94,19 @@ impl ListFormat {
     }
 }
 
+/// Refuses outputs that would write to the same file.
+pub(crate) fn refuse_clashes(outputs: &[Output], turns: Option<u32>) -> Result<(), Failure> {
+    let Some((first, second, file)) = clash(outputs, turns) else { return Ok(()) };
+    Err(Failure::usage(format!(
+        "{} and {} would both be written to {}; nothing was written",
+        first.path().display(),
+        second.path().display(),
+        file.display()
+    )))
+}
+
 /// The first two outputs that would write to the same file, and that file.
-pub(crate) fn clash(outputs: &[Output], turns: Option<u32>) -> Option<(&Output, &Output, PathBuf)> {
+fn clash(outputs: &[Output], turns: Option<u32>) -> Option<(&Output, &Output, PathBuf)> {
     let mut claimed: BTreeMap<PathBuf, &Output> = BTreeMap::new();
     for output in outputs {
         for path in output.claims(turns) {
@@ -132,6 +146,7 @@ impl FromStr for Output {
             Some("obj") => Format::List(ListFormat::Obj),
             Some("svg") => Format::List(ListFormat::Svg),
             Some("png") => Format::Png,
+            Some("txt") => Format::Text,
             _ => return Err(ACCEPTED.to_owned()),
         };
         Ok(Self { path, format })
@@ -151,6 +166,7 @@ mod tests {
         assert_eq!(format("tree.obj"), Ok(Format::List(ListFormat::Obj)));
         assert_eq!(format("tree.gltf"), Ok(Format::List(ListFormat::Gltf)));
         assert_eq!(format("tree.Png"), Ok(Format::Png));
+        assert_eq!(format("tree.txt"), Ok(Format::Text));
         for wrong in ["", "tree", "tree.ply", ".glb", "glb", "tree.glb/", "/dev/null"] {
             let accepted = wrong == "tree.glb/";
             assert_eq!(format(wrong).is_ok(), accepted, "{wrong}");

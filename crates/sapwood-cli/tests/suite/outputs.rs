@@ -49,6 +49,23 @@ fn a_skeleton_may_be_written_as_lines() {
 }
 
 #[test]
+fn a_tree_may_be_told_of_as_a_map_and_as_a_text() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let said = says(at, "grow palm --view map --seed 2 -o palm.svg");
+    assert!(said.starts_with("Palm, seed 2\npalm.svg: "), "{said}");
+    let map = fs::read_to_string(at.join("palm.svg")).unwrap();
+    assert!(map.contains(">Palm</text>") && map.contains(">N</text>"), "{map}");
+    let said = says(at, "grow palm --view text --seed 2");
+    assert!(said.starts_with("tree: Palm, seed 2\n"), "{said}");
+    says(at, "grow palm --view text --seed 2 -o palm.txt");
+    assert_eq!(fs::read_to_string(at.join("palm.txt")).unwrap(), said);
+    let said = fails(at, "grow palm --view text --detail draft", 2);
+    assert!(said.contains("cannot be used with"), "{said}");
+    assert_eq!(files(at), ["palm.svg", "palm.txt"]);
+}
+
+#[test]
 fn where_one_output_is_bad_none_is_written() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
@@ -56,7 +73,11 @@ fn where_one_output_is_bad_none_is_written() {
         let said = fails(at, &format!("grow quaking_aspen --levels 2 {outputs}"), code);
         assert!(said.contains(expected), "{outputs}: {said}");
     };
-    check("-o a.glb -o a.ply", 2, "accepted: names that end in .glb, .gltf, .obj, .svg or .png");
+    check(
+        "-o a.glb -o a.ply",
+        2,
+        "accepted: names that end in .glb, .gltf, .obj, .svg, .png or .txt",
+    );
     check("-o a.glb -o no/a.obj", 3, "no/a-1.png: cannot be written: there is no folder");
     check("-o a.glb -o a.obj -o ./a.glb", 2, "a.glb and ./a.glb would both be written to");
     check("-o a.gltf -o a.GLTF", 2, "a.bin; nothing was written");
