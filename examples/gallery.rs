@@ -1,4 +1,5 @@
-//! A picture of every built-in species, and all of them on one sheet, each in the same light.
+//! A picture of every built-in species, all of them on one sheet, and figures of what parameters
+//! do, each in the same light.
 //!
 //! `cargo run --release --example gallery` writes them at full size to `docs/gallery`, where
 //! `docs/gallery.md` shows them; with a folder as its argument it writes small ones there.
@@ -11,8 +12,12 @@ use sapwood::geom::Image;
 use sapwood::geom::glam::Vec3;
 use sapwood::graph::Lens;
 use sapwood::picture::{Ground, Paper, Picture, PictureOptions, PlacedCamera, Sheet, Studio, Sun};
-use sapwood::rules::weber_penn::{Seed, Tree};
-use sapwood::scene::{Scene, Viewer};
+use sapwood::scene::Viewer;
+
+#[path = "gallery/figures.rs"]
+mod figures;
+
+use figures::Figure;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::args_os().nth(1).map(PathBuf::from);
@@ -25,30 +30,43 @@ fn main() -> Result<(), Box<dyn Error>> {
     let sheet = Sheet::new("", &names, size.map(|pixels| pixels / 4), Paper::default());
     let mut sheet = sheet.ok_or("a sheet for so many pictures is too large")?;
     for (number, name) in (0..).zip(&names) {
-        let Picture { mut image, rays, .. } = picture(name, size, samples)?;
+        let image = drawn(&Figure::of_species(name)?, &folder, size, samples)?;
         sheet.put(number, &quarter(&image));
-        let path = folder.join(format!("{name}.png"));
-        sapwood::io::write_png(&path, &image)?;
-        // Leaves are hard to compress: what takes much room is drawn a little smaller.
-        while std::fs::metadata(&path)?.len() > 190_000 {
-            let smaller = [image.width, image.height].map(|pixels| pixels - pixels / 20);
-            image = picture(name, smaller, samples)?.image;
-            sapwood::io::write_png(&path, &image)?;
-        }
-        println!("{}: {} rays through pixels", path.display(), rays.primary);
     }
     let path = folder.join("species.png");
     sapwood::io::write_png(&path, sheet.image())?;
     println!("{}: {} species", path.display(), names.len());
+    for figure in figures::of_the_thesis()? {
+        let [width, height] = size;
+        drawn(&figure, &folder, [width * 3 / 2, height * 3 / 4], samples)?;
+    }
     Ok(())
 }
 
-/// One individual on the ground, seen from in front.
-fn picture(name: &str, size: [u32; 2], samples: u32) -> Result<Picture, Box<dyn Error>> {
-    let mut scene = Scene::new();
-    let species = scene.add(sapwood::io::find_species(name)?.attribute());
-    scene.add_to(species, Tree { seed: Seed::Explicit(1) })?;
-    let view = scene.open_view(species, &sapwood::standard_rules())?;
+/// Draws a figure to its file, and gives the picture as it was at first.
+fn drawn(
+    figure: &Figure,
+    folder: &Path,
+    size: [u32; 2],
+    samples: u32,
+) -> Result<Image, Box<dyn Error>> {
+    let Picture { image, rays, .. } = picture(figure, size, samples)?;
+    let path = folder.join(format!("{}.png", figure.name));
+    sapwood::io::write_png(&path, &image)?;
+    // Leaves are hard to compress: what takes much room is drawn a little smaller.
+    let mut smaller = size;
+    while std::fs::metadata(&path)?.len() > 190_000 {
+        smaller = smaller.map(|pixels| pixels - pixels / 20);
+        sapwood::io::write_png(&path, &picture(figure, smaller, samples)?.image)?;
+    }
+    println!("{}: {} rays through pixels", path.display(), rays.primary);
+    Ok(image)
+}
+
+/// Trees on the ground, seen from in front.
+fn picture(figure: &Figure, size: [u32; 2], samples: u32) -> Result<Picture, Box<dyn Error>> {
+    let (mut scene, row) = figure.planted()?;
+    let view = scene.open_view(row, &sapwood::standard_rules())?;
 
     // What would be below the ground is not seen.
     let mut bounds = scene.bounds(view)?.aabb;
