@@ -53,7 +53,12 @@ impl Profile {
 
     pub(super) fn contains(&self, point: DVec3) -> bool {
         let is_within = f64::from(self.base) <= point.z && point.z <= f64::from(self.top);
-        is_within && !self.is_empty() && point.truncate().length() <= self.radius(point.z)
+        if !is_within || self.is_empty() {
+            return false;
+        }
+        let distance = point.truncate().length();
+        let [least, most] = self.share_at(point.z).between().map(|s| f64::from(self.width) * s);
+        distance <= least || distance <= most && distance <= self.radius(point.z)
     }
 
     pub(super) fn side_of(&self, region: &Region) -> Side {
@@ -62,11 +67,14 @@ impl Profile {
         if self.is_empty() || high < base || low > top {
             return Side::Outside;
         }
-        let mut sides = (0..N_SLICES).map(|slice| {
-            let height = |of: u32| low + (high - low) * f64::from(of) / f64::from(N_SLICES);
-            let [from, to] = [height(slice), height(slice + 1)];
+        let height = |of: u32| low + (high - low) * f64::from(of) / f64::from(N_SLICES);
+        let mut lower = Ring::new(self, height(0));
+        let mut sides = (1..=N_SLICES).map(|slice| {
+            let upper = Ring::new(self, height(slice));
+            let [from, to] = [lower.height, upper.height];
             let [near, far] = distances_from_axis(region, from, to);
-            let [least, most] = self.radii_between(from, to);
+            let [least, most] = self.radii_between(&lower, &upper);
+            lower = upper;
             // More than what rounding does to powers.
             if near > most * (1.0 + 1e-9) || to < base || from > top {
                 Side::Outside
@@ -95,28 +103,76 @@ impl Profile {
         if self.is_empty() || !(base <= height && height <= top) {
             return 0.0;
         }
-        let (h, peak) = ((height - base) / (top - base), self.peak());
-        let share = if h > peak {
-            libm::pow((1.0 - h) / (1.0 - peak), f64::from(self.power_high).max(0.0))
-        } else if h < peak {
-            libm::pow(h / peak, f64::from(self.power_low).max(0.0))
-        } else {
-            1.0
-        };
-        f64::from(self.width) * share
+        f64::from(self.width) * self.share_at(height).value()
     }
 
-    /// The least and the largest radius at heights between two: it rises to the peak and falls
-    /// from there.
-    fn radii_between(&self, from: f64, to: f64) -> [f64; 2] {
+    /// The share of the width to which the solid reaches at a height between its base and top.
+    fn share_at(&self, height: f64) -> Share {
         let (base, top) = (f64::from(self.base), f64::from(self.top));
-        // At the very ends a power of 0 has a radius, beyond them there is none.
-        let ends = [from, to].map(|height| self.radius(height));
-        let within = [from, to].map(|height| self.radius(height.clamp(base, top)));
+        let (h, peak) = ((height - base) / (top - base), self.peak());
+        let (base, power) = if h > peak {
+            ((1.0 - h) / (1.0 - peak), self.power_high)
+        } else if h < peak {
+            (h / peak, self.power_low)
+        } else {
+            (1.0, 0.0)
+        };
+        Share { base, power: f64::from(power).max(0.0) }
+    }
+
+    /// The least and the largest radius between two heights: it rises to the peak and falls from
+    /// there.
+    fn radii_between(&self, lower: &Ring, upper: &Ring) -> [f64; 2] {
+        let (base, top) = (f64::from(self.base), f64::from(self.top));
         let widest = base + self.peak() * (top - base);
-        let has_peak = from <= widest && widest <= to;
-        let most = if has_peak { f64::from(self.width) } else { within[0].max(within[1]) };
-        [ends[0].min(ends[1]), most]
+        let has_peak = lower.height <= widest && widest <= upper.height;
+        let most = if has_peak { f64::from(self.width) } else { lower.within.max(upper.within) };
+        [lower.radius.min(upper.radius), most]
+    }
+}
+
+/// A power of a number between 0 and 1, by a power that is not negative.
+struct Share {
+    base: f64,
+    power: f64,
+}
+
+impl Share {
+    fn value(&self) -> f64 {
+        libm::pow(self.base, self.power)
+    }
+
+    /// Between what the value lies, which tells of most points on which side they are.
+    ///
+    /// Bernoulli's inequality, of the number and of its inverse.
+    fn between(&self) -> [f64; 2] {
+        let Self { base, power } = *self;
+        // Written so that nothing is divided by 0.
+        let straight = 1.0 + power * (base - 1.0);
+        let bent = base / (base + power * (1.0 - base));
+        let [least, most] = if power <= 1.0 { [bent, straight] } else { [straight, bent] };
+        // More than what rounding does to either.
+        let margin = 1e-12 * (1.0 + power);
+        // The value of a power of 0 is 1 everywhere, which the second form does not know at 0.
+        if base > 0.0 { [least - margin, most + margin] } else { [0.0, 1.0] }
+    }
+}
+
+/// What a profile is at a height.
+struct Ring {
+    height: f64,
+    /// The radius; 0 above the top and below the base.
+    radius: f64,
+    /// The radius at the nearest height that the solid has: at its very ends a power of 0 has
+    /// one, beyond them there is none.
+    within: f64,
+}
+
+impl Ring {
+    fn new(profile: &Profile, height: f64) -> Self {
+        let nearest = height.clamp(f64::from(profile.base), f64::from(profile.top));
+        let within = profile.radius(nearest);
+        Self { height, radius: if nearest == height { within } else { 0.0 }, within }
     }
 }
 
@@ -163,6 +219,20 @@ mod tests {
             let middle = profile.radius_at(7.0);
             assert!(middle > 0.0 && middle < 4.0);
         }
+    }
+
+    #[test]
+    fn what_a_share_lies_between_holds_it() {
+        for power in [0.0, 0.001, 0.3, 0.5, 1.0, 1.5, 4.0, 100.0] {
+            for base in [0.0, 1e-300, 1e-9, 0.01, 0.3, 0.5, 0.9, 1.0 - 1e-12, 1.0] {
+                let share = Share { base, power };
+                let ([least, most], value) = (share.between(), share.value());
+                assert!(least <= value && value <= most, "{base}^{power}: {least}, {most}");
+            }
+        }
+        // The willow's: it is told almost everywhere.
+        let [least, most] = Share { base: 0.1, power: 0.001 }.between();
+        assert!(most - least < 0.01);
     }
 
     #[test]
