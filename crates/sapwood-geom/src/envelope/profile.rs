@@ -120,14 +120,14 @@ impl Profile {
         Share { base, power: f64::from(power).max(0.0) }
     }
 
-    /// The least and the largest radius between two heights: it rises to the peak and falls from
-    /// there.
+    /// What the least and the largest radius between two heights are not beyond: the solid widens
+    /// to the peak and narrows from there.
     fn radii_between(&self, lower: &Ring, upper: &Ring) -> [f64; 2] {
         let (base, top) = (f64::from(self.base), f64::from(self.top));
         let widest = base + self.peak() * (top - base);
         let has_peak = lower.height <= widest && widest <= upper.height;
-        let most = if has_peak { f64::from(self.width) } else { lower.within.max(upper.within) };
-        [lower.radius.min(upper.radius), most]
+        let most = if has_peak { f64::from(self.width) } else { lower.most.max(upper.most) };
+        [lower.least.min(upper.least), most]
     }
 }
 
@@ -158,21 +158,23 @@ impl Share {
     }
 }
 
-/// What a profile is at a height.
+/// What the radius of a profile lies between at a height.
 struct Ring {
     height: f64,
-    /// The radius; 0 above the top and below the base.
-    radius: f64,
-    /// The radius at the nearest height that the solid has: at its very ends a power of 0 has
-    /// one, beyond them there is none.
-    within: f64,
+    /// 0 above the top and below the base.
+    least: f64,
+    /// That of the nearest height that the solid has: at its very ends a power of 0 has a radius,
+    /// beyond them there is none.
+    most: f64,
 }
 
 impl Ring {
     fn new(profile: &Profile, height: f64) -> Self {
         let nearest = height.clamp(f64::from(profile.base), f64::from(profile.top));
-        let within = profile.radius(nearest);
-        Self { height, radius: if nearest == height { within } else { 0.0 }, within }
+        let [least, most] = profile.share_at(nearest).between();
+        let width = f64::from(profile.width);
+        let least = if nearest == height { width * least } else { 0.0 };
+        Self { height, least, most: width * most }
     }
 }
 
