@@ -9,9 +9,10 @@ use super::trees::*;
 const PAINTED: [(&str, usize); 3] = [("bark_image", 2), ("leaf_image", 1), ("painted_material", 3)];
 
 /// What an aspen of 50 limbs compiles to, leaving out what is above the tree.
-const ASPEN: [(&str, usize); 6] = [
+const ASPEN: [(&str, usize); 7] = [
     ("branch", 51),
     ("children", 51),
+    ("leaf_surface", 50),
     ("leaves", 50),
     ("stem_surface", 101),
     ("tree", 1),
@@ -30,7 +31,10 @@ fn an_aspen_is_compiled_branch_by_branch() {
     let mut aspen = planted(&built_in("quaking_aspen"), 1);
     let mut expected = vec![("attribute", 1)];
     expected.extend(ASPEN);
-    assert_eq!(aspen.compiled(), with_images(&expected));
+    let mut ran = with_images(&expected);
+    ran.push(("leaf_model", 1));
+    ran.sort_unstable();
+    assert_eq!(aspen.compiled(), ran);
     let counts = aspen.scene.count(aspen.view).unwrap();
     for (kind, n) in expected {
         assert_eq!(counts.components_of(kind), n as u64, "{kind}");
@@ -53,7 +57,13 @@ fn a_skeleton_of_a_grown_tree_compiles_geometry_only() {
 
 #[test]
 fn a_draft_of_a_grown_tree_compiles_geometry_only() {
-    let painted = with_images(&[("leaves", 50), ("stem_surface", 101)]);
+    // There are fewer leaves, and they are larger.
+    let painted = with_images(&[
+        ("leaf_model", 1),
+        ("leaf_surface", 50),
+        ("leaves", 50),
+        ("stem_surface", 101),
+    ]);
     let mut aspen = grown(&built_in("quaking_aspen"), 1);
     let full = digest(&aspen.draw_list());
     // The view that grew it is switched.
@@ -96,6 +106,7 @@ fn an_edit_of_level_2_leaves_trunk_and_limbs_alone() {
         let expected = [
             ("attribute", 1),
             ("children", 50),
+            ("leaf_surface", 50),
             ("leaves", 50),
             ("stem_surface", 50),
             ("twigs", 50),
@@ -123,6 +134,7 @@ fn an_edit_of_level_2_leaves_the_limbs_of_a_deep_tree_alone() {
     assert_eq!((count("tree"), count("branch")), (0, 0));
     // On each limb its own children in one batch, and theirs in another, with the leaves.
     assert_eq!((count("children"), count("leaves")), (2 * n_limbs, n_limbs));
+    assert_eq!((count("leaf_surface"), count("leaf_model")), (n_limbs, 0));
     assert_eq!(count("stem_surface"), 2 * n_limbs);
     let after = tree.parts();
     assert!(before.stems[..2] == after.stems[..2] && before.segments[..2] == after.segments[..2]);
@@ -132,18 +144,33 @@ fn an_edit_of_level_2_leaves_the_limbs_of_a_deep_tree_alone() {
 #[test]
 fn an_edit_of_the_leaves_compiles_leaves_only() {
     let aspen = built_in("quaking_aspen");
+    let (grown_again, drawn_again) = (("leaves", 50), ("leaf_surface", 50));
     for (key, value) in [
-        ("leaves.scale", 0.2),
         ("leaves.count", 10.0),
         ("leaves.bend", 0.9),
-        ("leaves.quality", 0.5),
         ("level.3.down_angle", 80.0),
         ("level.3.rotate_v", 10.0),
     ] {
         let mut tree = grown(&aspen, 1);
         tree.set(&with(&aspen, &[(key, value)]));
-        assert_eq!(tree.compiled(), [("attribute", 1), ("leaves", 50)], "{key}");
+        assert_eq!(tree.compiled(), [("attribute", 1), drawn_again, grown_again], "{key}");
     }
+    // What is only larger stays where it grew.
+    let sized = [("attribute", 1), ("leaf_model", 1), drawn_again];
+    for key in ["leaves.scale", "leaves.stem_len"] {
+        let mut tree = grown(&aspen, 1);
+        tree.set(&with(&aspen, &[(key, 0.2)]));
+        assert_eq!(tree.compiled(), sized, "{key}");
+    }
+    // A narrow leaf has another image.
+    let mut tree = grown(&aspen, 1);
+    tree.set(&with(&aspen, &[("leaves.scale_x", 0.2)]));
+    let [attribute, model, drawn] = sized;
+    let painted = [attribute, ("leaf_image", 1), model, drawn, ("painted_material", 1)];
+    assert_eq!(tree.compiled(), painted);
+    let mut tree = grown(&aspen, 1);
+    tree.set(&with(&aspen, &[("leaves.quality", 0.5)]));
+    assert_eq!(tree.compiled(), [sized[0], sized[1], drawn_again, grown_again]);
 }
 
 #[test]
@@ -174,7 +201,8 @@ fn an_edit_of_the_bark_compiles_surfaces_only() {
     tree.scene
         .push::<FoliageSlot>(tree.family, Some(Material::matte("gold", 0.6, 0.4, 0.0)))
         .unwrap();
-    assert_eq!(tree.compiled(), [("attribute", 1), ("leaves", 50)]);
+    // Whole leaves instead of those that an image cuts out.
+    assert_eq!(tree.compiled(), [("attribute", 1), ("leaf_model", 1), ("leaf_surface", 50)]);
     let detail = Detail { ..Detail::default() };
     tree.scene.push::<DetailSlot>(tree.family, detail).unwrap();
     assert_eq!(tree.compiled(), [("attribute", 1)], "the detail is what it was by default");

@@ -3,7 +3,7 @@
 use sapwood::geom::glam::{Affine3, Vec3};
 use sapwood::geom::{Aabb, Envelope, Sphere};
 use sapwood::graph::{DrawList, Merge, Prune};
-use sapwood::rules::weber_penn::{Seed, Tree, prune_handlers};
+use sapwood::rules::weber_penn::{LeafParams, Seed, Tree, prune_handlers};
 use sapwood::scene::{Group, Scene, Transform};
 
 use super::trees::*;
@@ -45,6 +45,8 @@ fn bark_and_leaves(list: &DrawList) -> (Vec<Vec3>, Vec<Affine3>) {
 fn nothing_is_left_outside_and_nothing_floats() {
     let mut tree = aspen();
     let whole = bark_and_leaves(&tree.draw_list());
+    let leaves = LeafParams::new(&built_in("quaking_aspen"));
+    let along = leaves.petiole() + 0.5 * leaves.length();
     for (name, envelope) in envelopes() {
         let list = pruned(&mut tree, envelope.clone());
         let (bark, leaves) = bark_and_leaves(&list);
@@ -58,7 +60,7 @@ fn nothing_is_left_outside_and_nothing_floats() {
             assert!(is_near, "{name}: bark at {point}");
         }
         for leaf in &leaves {
-            let middle = leaf.transform_point3(Vec3::Z * 0.5);
+            let middle = leaf.transform_point3(Vec3::Z * along);
             assert!(envelope.contains(middle), "{name}: a leaf at {middle}");
         }
         // Leaves hang on bark; so do those of the whole tree.

@@ -36,7 +36,7 @@ fn a_fading_tree_grows_no_stem_again_and_loses_its_parts_without_compiling() {
     let mut aspen = grown(&built_in("quaking_aspen"), 1);
     let full = drawn(&aspen.draw_list());
     let view = aspen.scene.open_view(aspen.family, &sapwood::fading_rules()).unwrap();
-    assert_eq!(compiled(&mut aspen.scene, view), [("leaves", 50), ("stem_surface", 101)]);
+    assert_eq!(compiled(&mut aspen.scene, view), [("leaf_surface", 50), ("stem_surface", 101)]);
     let list = aspen.scene.draw_list(view, 1_000_000).unwrap();
     assert_eq!((drawn(&list), full[1], full[3]), (full, 0, 0), "from nearby");
 
@@ -84,7 +84,7 @@ fn levels_of_detail_compile_what_is_left_and_follow_with_hysteresis() {
     };
     let (near, _) = look_from(10.0);
     let geometry =
-        [("attribute", 1), ("leaves", 50), ("level_of_detail", 1), ("stem_surface", 101)];
+        [("attribute", 1), ("leaf_surface", 50), ("level_of_detail", 1), ("stem_surface", 101)];
     let (middle, ran) = look_from(60.0);
     assert_eq!(ran, geometry);
     assert_eq!(look_from(38.0), (middle, vec![]), "within a tenth of 40 m");

@@ -1,5 +1,6 @@
 //! What trees look like: images of bark and leaves, and what users may put in their place.
 
+use sapwood::geom::Mesh;
 use sapwood::graph::{Alpha, DrawList, Material};
 use sapwood::images::LeafOutline;
 use sapwood::rules::weber_penn::{BarkSlot, FoliageSlot, LeafShape, leaf_card, leaf_mesh};
@@ -51,7 +52,8 @@ fn an_edit_of_a_look_compiles_what_wears_it() {
     golden.leaves.color = Some([0.5, 0.35, 0.02]);
     tree.set(&golden);
     let compiled = tree.compiled();
-    let expected = [("attribute", 1), ("leaf_image", 1), ("leaves", 50), ("painted_material", 1)];
+    let expected =
+        [("attribute", 1), ("leaf_image", 1), ("leaf_surface", 50), ("painted_material", 1)];
     assert_eq!(compiled, expected);
     golden.bark.color = Some([0.3, 0.2, 0.1]);
     tree.set(&golden);
@@ -61,19 +63,25 @@ fn an_edit_of_a_look_compiles_what_wears_it() {
     assert_eq!(compiled, expected, "the twigs' bark stays");
     golden.leaves.scale *= 1.5;
     tree.set(&golden);
-    assert_eq!(tree.compiled(), [("attribute", 1), ("leaves", 50)], "larger, and painted alike");
+    assert_eq!(
+        tree.compiled(),
+        [("attribute", 1), ("leaf_model", 1), ("leaf_surface", 50)],
+        "larger, and painted alike"
+    );
 }
 
 #[test]
 fn a_material_of_the_users_wins_over_the_species() {
     let mut tree = grown(&built_in("quaking_aspen"), 1);
-    let n_leaf_triangles = |tree: &mut Grown| {
+    // Whatever its size.
+    let form = |mesh: &Mesh| (mesh.indices.clone(), mesh.uvs.clone());
+    let leaf_form = |tree: &mut Grown| {
         let list = tree.draw_list();
         let leaves = list.placed_rows().find(|(_, row)| row.instances.is_some());
-        leaves.map(|(_, row)| (*row.mesh).clone()).unwrap()
+        leaves.map(|(_, row)| form(&row.mesh)).unwrap()
     };
     let card = leaf_card(LeafShape::Oval, LeafOutline::Orbicular);
-    assert_eq!(n_leaf_triangles(&mut tree), card);
+    assert_eq!(leaf_form(&mut tree), form(&card));
     let [gold, pale] = ["gold", "pale"].map(|name| Material::matte(name, 0.6, 0.4, 0.0));
     tree.scene.push::<FoliageSlot>(tree.family, Some(gold.clone())).unwrap();
     tree.scene.push::<BarkSlot>(tree.family, Some(pale.clone())).unwrap();
@@ -82,7 +90,7 @@ fn a_material_of_the_users_wins_over_the_species() {
     assert!(leaves.iter().all(|material| **material == gold));
     assert!(stems.iter().all(|material| **material == pale));
     // Nothing is known of such a material's images: the mesh has the outline itself.
-    assert_eq!(n_leaf_triangles(&mut tree), leaf_mesh(LeafShape::Oval));
+    assert_eq!(leaf_form(&mut tree), form(&leaf_mesh(LeafShape::Oval)));
 
     let clay = Material::matte("clay", 0.7, 0.7, 0.7);
     let forced = clay.clone();

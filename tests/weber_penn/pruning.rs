@@ -211,6 +211,20 @@ fn no_segment_leaves_an_envelope_and_what_is_not_cut_stays_the_same() {
 }
 
 #[test]
+fn stems_that_fit_stay_however_short_they_are() {
+    let mut aspen = built_in("quaking_aspen");
+    aspen.level[2].length = 0.002;
+    let everything = Envelope::sphere(Sphere { center: Vec3::ZERO, radius: 1e3 });
+    for ratio in [0.5, 1.0] {
+        let limit = Limit::new(everything.clone(), ratio);
+        let (whole, held) = (pruned(&aspen, 5, None), pruned(&aspen, 5, Some(&limit)));
+        let is_short = |stem: &Stem| stem.seed.length < 0.001 * stem.seed.scale_tree;
+        assert!(whole.levels[2].stems.iter().any(is_short));
+        assert!(whole.levels == held.levels);
+    }
+}
+
+#[test]
 fn the_papers_envelope_holds_the_crown() {
     for name in sapwood::io::built_in_names() {
         let mut species = built_in(name);

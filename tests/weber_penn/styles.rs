@@ -51,7 +51,7 @@ fn each_style_draws_the_same_stems_in_its_own_way() {
         .collect();
     compiled.sort_unstable();
     compiled.dedup();
-    assert_eq!(compiled, ["attribute", "leaves", "stem_surface"]);
+    assert_eq!(compiled, ["attribute", "leaf_model", "leaf_surface", "leaves", "stem_surface"]);
 
     // The skeleton rules draw the same lines, whatever the style.
     let second = scene.open_view(look, &sapwood::skeleton_rules()).unwrap();

@@ -118,8 +118,14 @@ fn a_direction_regrows_what_is_attracted_when_the_tree_is_turned_and_nothing_whe
     assert_eq!(compiled(&mut tree.scene, tree.view), [("transform", 1), ("tree", 1)]);
     tree.scene.edit(tree.place, |place| place.0 = turned()).unwrap();
     let ran = compiled(&mut tree.scene, tree.view);
-    let expected =
-        [("leaves", 6), ("stem_surface", 6), ("transform", 1), ("tree", 1), ("twigs", 6)];
+    let expected = [
+        ("leaf_surface", 6),
+        ("leaves", 6),
+        ("stem_surface", 6),
+        ("transform", 1),
+        ("tree", 1),
+        ("twigs", 6),
+    ];
     assert_eq!(ran, expected, "trunk and limbs are not attracted");
 }
 
@@ -130,7 +136,7 @@ fn leaves_alone_turn_to_their_own_target() {
     compiled(&mut tree.scene, tree.view);
     tree.scene.edit(tree.place, |place| place.0 = turned()).unwrap();
     let ran = compiled(&mut tree.scene, tree.view);
-    assert_eq!(ran, [("leaves", 6), ("transform", 1), ("tree", 1)]);
+    assert_eq!(ran, [("leaf_surface", 6), ("leaves", 6), ("transform", 1), ("tree", 1)]);
 }
 
 #[test]

@@ -4,7 +4,9 @@ mod counting;
 
 use sapwood::geom::Bound;
 use sapwood::io::Shape;
-use sapwood::rules::weber_penn::{self, DetailSlot, PruneRatioSlot, Seed, Species, Tree};
+use sapwood::rules::weber_penn::{
+    self, DetailSlot, FadingParams, FadingSlot, PruneRatioSlot, Seed, Species, Tree,
+};
 use sapwood::scene::{
     Action, Attribute, Budget, EnvelopeSlot, Handle, RuleSet, Scene, Transform, ViewId,
 };
@@ -46,6 +48,9 @@ pub(crate) fn planted(
         attribute.set::<EnvelopeSlot>(Some(envelope));
         attribute.set::<PruneRatioSlot>(arguments.prune_ratio.unwrap_or(1.0));
     }
+    // Branches with fewer leaves before them fade the sooner.
+    let fading = FadingParams { quality: arguments.quality, ..FadingParams::default() };
+    attribute.set::<FadingSlot>(fading);
     let root = scene.add(attribute);
     match individual {
         Individual::Seed(seed) => {

@@ -230,14 +230,15 @@ pub fn n_drawn(n: u32, mass: u32, share: f32) -> u32 {
     let at_place = |place: u32| n.saturating_sub(place).div_ceil(mass);
     let change = f64::from(n.div_ceil(mass)) * (number - number.floor());
     let change = (change.floor() as u32).min(if of_each < mass { at_place(of_each) } else { 0 });
-    (0..of_each).map(at_place).sum::<u32>() + change
+    // No mass has an item beyond the last.
+    (0..of_each.min(n)).map(at_place).sum::<u32>() + change
 }
 
 /// The order of `n` items that thins evenly in masses of `mass`: the first item of every mass, then
 /// the second ones, and so on. So what [`n_drawn`] counts always comes first.
 pub fn even_order(n: u32, mass: u32) -> impl Iterator<Item = u32> {
     let mass = mass.max(1);
-    (0..mass).flat_map(move |place| (place..n).step_by(mass as usize))
+    (0..mass.min(n)).flat_map(move |place| (place..n).step_by(mass as usize))
 }
 
 #[cfg(test)]
@@ -279,6 +280,12 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_mass_larger_than_there_are_items_takes_no_longer() {
+        assert_eq!(n_drawn(3, u32::MAX, 1.0), 3);
+        assert_eq!(even_order(3, u32::MAX).collect::<Vec<_>>(), [0, 1, 2]);
     }
 
     #[test]

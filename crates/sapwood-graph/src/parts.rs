@@ -4,6 +4,7 @@
 //! type gets the whole slice.
 
 use std::any::Any;
+use std::sync::LazyLock;
 
 use sapwood_geom::{Content, Digester};
 
@@ -28,6 +29,15 @@ pub(crate) struct Rows<P>(Box<dyn AsRef<[P]> + Send + Sync>);
 impl<P> Rows<P> {
     pub(crate) fn as_slice(&self) -> &[P] {
         (*self.0).as_ref()
+    }
+}
+
+/// Rows that are made when they are looked at.
+struct Later<P>(LazyLock<Vec<P>, Box<dyn FnOnce() -> Vec<P> + Send + Sync>>);
+
+impl<P> AsRef<[P]> for Later<P> {
+    fn as_ref(&self) -> &[P] {
+        &self.0
     }
 }
 
@@ -63,9 +73,34 @@ impl Parts {
     /// When parts of this type were added before.
     pub fn add<P: Part>(&mut self, rows: impl AsRef<[P]> + Send + Sync + 'static) {
         let kind = Kind::of::<P>();
-        assert!(!self.0.iter().any(|array| array.kind == kind), "{kind} parts were added twice");
+        assert!(!self.has(kind), "{kind} parts were added twice");
         let len = rows.as_ref().len();
         self.0.push(Array { kind, len, rows: Box::new(Rows(Box::new(rows))) });
+    }
+
+    /// Adds the plan's parts of type `P`, `len` of them, which are made when somebody asks for them
+    /// for the first time.
+    ///
+    /// # Panics
+    /// When parts of this type were added before; later, when other than `len` are made.
+    pub fn add_later<P: Part>(
+        &mut self,
+        len: usize,
+        make: impl FnOnce() -> Vec<P> + Send + Sync + 'static,
+    ) {
+        let kind = Kind::of::<P>();
+        assert!(!self.has(kind), "{kind} parts were added twice");
+        let make = move || {
+            let rows = make();
+            assert_eq!(rows.len(), len, "other {kind} parts are made than were announced");
+            rows
+        };
+        let rows = Later(LazyLock::new(Box::new(make)));
+        self.0.push(Array { kind, len, rows: Box::new(Rows(Box::new(rows))) });
+    }
+
+    fn has(&self, kind: Kind) -> bool {
+        self.0.iter().any(|array| array.kind == kind)
     }
 
     /// All parts of type `P`; empty where the plan has none.

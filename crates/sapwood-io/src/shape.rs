@@ -53,9 +53,10 @@ impl Shape {
             Form::Mesh(path) => {
                 let path = folder.map_or_else(|| path.clone(), |folder| folder.join(path));
                 let model = read_gltf(&path, &ReadLimits::default())?;
-                let mesh = ClosedMesh::new(&all_triangles(&model)).map_err(|fault| {
-                    let kind = ErrorKind::NoSolid { fault: fault.to_string() };
-                    Error::new(kind).in_file(&path.display().to_string())
+                let in_file = |error: Error| error.in_file(&path.display().to_string());
+                let triangles = all_triangles(&model).map_err(in_file)?;
+                let mesh = ClosedMesh::new(&triangles).map_err(|fault| {
+                    in_file(Error::new(ErrorKind::NoSolid { fault: fault.to_string() }))
                 })?;
                 Envelope::mesh(mesh)
             }
@@ -154,8 +155,26 @@ fn numbers<const N: usize>(text: &str, form: &str) -> Result<[f32; N], ShapeFaul
         .map_err(|_| ShapeFault(format!("{n} numbers where {N} are needed (accepted: {form})")))
 }
 
+/// The most triangles and vertices, every copy counted, that a mesh may have to hold trees: some
+/// hundreds of megabytes with the hierarchy over them.
+const MOST: u64 = 1 << 22;
+
 /// Everything that a model shows, as one mesh in the frame of the file.
-fn all_triangles(model: &Model) -> Mesh {
+fn all_triangles(model: &Model) -> Result<Mesh, Error> {
+    let [mut n_triangles, mut n_vertices] = [0u64; 2];
+    for node in &model.nodes {
+        let n_copies = node.instances.as_ref().map_or(1, |instances| instances.len()) as u64;
+        for part in node.mesh.iter().flat_map(|mesh| &model.meshes[*mesh]) {
+            n_triangles += n_copies * part.mesh.n_triangles() as u64;
+            n_vertices += n_copies * part.mesh.n_vertices() as u64;
+        }
+    }
+    for (found, what) in [(n_triangles, "triangles"), (n_vertices, "vertices")] {
+        if found > MOST {
+            let at = "all that the nodes show".to_owned();
+            return Err(Error::new(ErrorKind::OverLimit { at, found, what, limit: MOST }));
+        }
+    }
     let mut all = Mesh::default();
     let once = [Affine3::IDENTITY];
     for (node, world) in model.nodes.iter().zip(model.worlds()) {
@@ -166,7 +185,7 @@ fn all_triangles(model: &Model) -> Mesh {
             }
         }
     }
-    all
+    Ok(all)
 }
 
 #[cfg(test)]

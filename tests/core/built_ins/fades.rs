@@ -3,7 +3,7 @@
 use sapwood::geom::glam::{Affine3, Vec2, Vec3};
 use sapwood::geom::{Mesh, Polyline, Ray, Shared, SharedMesh, content};
 use sapwood::graph::{
-    DrawList, Eye, Fading, Falloff, Material, Merge, Named, PickOptions, Stretch, Struck,
+    DrawList, Eye, Facing, Fading, Falloff, Material, Merge, Named, PickOptions, Stretch, Struck,
 };
 use sapwood::scene::{
     Component, Context, Group, Rule, RuleError, RuleSet, Scene, Transform, ViewId, Viewer,
@@ -149,6 +149,63 @@ fn less_is_drawn_from_further_away_and_nothing_is_compiled() {
     }
     assert_eq!(all_compiled(&mut scene), []);
     assert_eq!(scene.bounds(view).unwrap(), bound);
+    let report = scene.verify(view, 10).unwrap();
+    assert!(report.is_clean(), "{report:?}");
+}
+
+/// Eight tiles that turn to the eye, and once more within that.
+struct Signs;
+
+content!(Signs {});
+
+impl Named for Signs {
+    const NAME: &'static str = "signs";
+}
+
+impl Component for Signs {}
+
+struct SignsRule;
+
+impl Rule for SignsRule {
+    type Component = Signs;
+    type Data = ();
+    const NAME: &'static str = "signs";
+
+    fn init(&self, _: &Signs, cx: &mut Context<'_>) -> Result<(), RuleError> {
+        let shown = Falloff(vec![Stretch::even(f32::INFINITY, 1.0, 80.0)]);
+        let replaced = Falloff::default();
+        let fading = Fading { shown, replaced, mass: 1, ends: None, keeps_coverage: false };
+        let places = Shared::new(vec![Affine3::IDENTITY; 8]);
+        let tiles = |cx: &mut Context<'_>| {
+            let grey = Material::matte("grey", 0.5, 0.5, 0.5).into();
+            cx.instances(SharedMesh::new(tile()), grey, places.clone());
+        };
+        cx.fading(fading, |cx| {
+            cx.transform(Affine3::from_translation(Vec3::X * 30.0), |cx| {
+                cx.facing(Facing::Eye, |cx| {
+                    tiles(cx);
+                    cx.facing(Facing::Axis(Vec3::Y), tiles);
+                });
+            });
+        });
+        Ok(())
+    }
+}
+
+#[test]
+fn what_turns_to_the_eye_fades_by_the_distance_of_what_has_it_fade() {
+    let mut scene = checked_scene();
+    let root = scene.add(Group);
+    for x in [0.0, 10.0] {
+        let place = scene.add_to(root, Transform::translation(x, 0.0, 0.0)).unwrap();
+        scene.add_to(place, Signs).unwrap();
+    }
+    let rules = RuleSet::new().with(SignsRule);
+    let view = scene.open_view(root, &rules.over(&sapwood::standard_rules())).unwrap();
+    for (x, expected) in [(0.0, 2 * (8 + 7)), (-40.0, 2 * (4 + 3)), (-70.0, 2), (-90.0, 0)] {
+        let list = look_from(&mut scene, view, Some(Vec3::X * x));
+        assert_eq!(drawn(&list), [0, expected, 0], "from {x} m");
+    }
     let report = scene.verify(view, 10).unwrap();
     assert!(report.is_clean(), "{report:?}");
 }

@@ -180,8 +180,7 @@ fn trees_grow_inside_of_shapes() {
     let species = says(at, "species show quaking_aspen");
     let held = |shape: &str| {
         let pruning = format!("[pruning]\nenvelope = \"{shape}\"");
-        let text =
-            species.replacen("[pruning]", &pruning, 1).replace("\nratio = 0\n", "\nratio = 1\n");
+        let text = species.replacen("[pruning]", &pruning, 1).replace("\nratio = 0\n", "\n");
         std::fs::write(at.join("held.toml"), text).unwrap();
         let said = says(at, "grow held.toml --json --detail skeleton");
         serde_json::from_str::<serde_json::Value>(&said).unwrap()["stems"].clone()

@@ -71,7 +71,15 @@ impl Envelope {
 
     /// What is inside at least one of these; nothing where there is none.
     pub fn union(envelopes: impl IntoIterator<Item = Self>) -> Self {
-        Self::of(Form::Union(envelopes.into_iter().collect()))
+        let mut all = Vec::new();
+        for envelope in envelopes {
+            // Unions of unions, as they come of adding one by one, are not nested.
+            match &*envelope.0 {
+                Form::Union(members) => all.extend_from_slice(members),
+                _ => all.push(envelope),
+            }
+        }
+        Self::of(Form::Union(all))
     }
 
     /// What is inside all of these; everything where there is none.

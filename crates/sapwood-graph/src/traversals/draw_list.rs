@@ -6,17 +6,17 @@
 //! place; what fades with the distance has a body for each set of limits that some place gives it.
 //! The list is built anew each time.
 
+mod look;
+
 use std::borrow::Cow;
 use std::fmt;
 use std::sync::Arc;
 
-use sapwood_geom::glam::{Affine3, Vec3};
+use sapwood_geom::glam::Affine3;
 use sapwood_geom::{Digest, FixedMap, Mesh, Polyline, Shared, SharedMesh, fixed_state};
 
-use crate::{
-    Camera, DrawRange, EnvId, Facing, Fading, Kind, Label, Light, Material, RenderNode, SiteId,
-    Supplied, Supply,
-};
+use crate::{Camera, DrawRange, EnvId, Fading, Kind, Label, Light, Material, SiteId, Supply};
+use look::{Limits, Look};
 
 /// Everything that a view draws.
 #[derive(Clone, Debug, Default)]
@@ -284,78 +284,6 @@ pub(super) struct Top {
     pub(super) node: u32,
 }
 
-/// What is drawn from a top on, and the tops right below it.
-struct Look {
-    body: Option<u32>,
-    /// A body that is not the same everywhere, for some of it fades.
-    fading: Option<Box<FadingBody>>,
-    below: Vec<Below>,
-    /// Whether there is a body here or anywhere below.
-    draws: bool,
-}
-
-/// A top below another one.
-struct Below {
-    top: Top,
-    /// From the lower frame to the upper one, before it is turned.
-    local: Affine3,
-    facing: Option<Facing>,
-}
-
-struct FadingBody {
-    /// With everything in it.
-    whole: Body,
-    rows: Vec<FadingRow>,
-}
-
-/// A row that fades.
-struct FadingRow {
-    /// Whether it is one of lines.
-    is_lines: bool,
-    number: usize,
-    /// How many triangles, instances or lines it has.
-    n: u32,
-    fading: Fading,
-    /// From the frame of the node that has it fade to the body's.
-    local: Affine3,
-}
-
-/// What is drawn of one row, and the bits of how much larger.
-type Limits = (DrawRange, u32);
-
-impl FadingBody {
-    fn limits(&self, world: &Affine3, supply: &dyn Supply) -> Vec<Limits> {
-        let limits = self.rows.iter().map(|row| {
-            let range = Fading::range(&(*world * row.local), supply.eye());
-            (row.fading.drawn(row.n, range), row.fading.growth(range).to_bits())
-        });
-        limits.collect()
-    }
-
-    /// What is left of the body; rows of which nothing is are gone.
-    fn limited(&self, limits: &[Limits]) -> Body {
-        let mut body = self.whole.clone();
-        for (row, (range, growth)) in self.rows.iter().zip(limits) {
-            let range = (range.len() < row.n).then_some(*range);
-            if row.is_lines {
-                body.lines[row.number].range = range;
-                continue;
-            }
-            let drawn = &mut body.rows[row.number];
-            drawn.range = range;
-            let growth = f32::from_bits(*growth);
-            if growth != 1.0 && drawn.instances.is_some() {
-                let mut grown = Mesh::default();
-                grown.append(&drawn.mesh, &Affine3::from_scale(Vec3::splat(growth)));
-                drawn.mesh = SharedMesh::new(grown);
-            }
-        }
-        body.rows.retain(|row| row.range.is_none_or(|range| !range.is_empty()));
-        body.lines.retain(|row| row.range.is_none_or(|range| !range.is_empty()));
-        body
-    }
-}
-
 /// A draw list in the making.
 pub(super) struct Builder<'a> {
     supply: &'a dyn Supply,
@@ -365,6 +293,8 @@ pub(super) struct Builder<'a> {
     n_rows: usize,
     seen: FixedMap<Top, usize>,
     looks: Vec<Look>,
+    /// What has tops fade that turn.
+    fading_above: FixedMap<Top, &'a Fading>,
     /// Bodies that fade, by the look and what is left of them.
     faded: FixedMap<(usize, Vec<Limits>), Option<u32>>,
 }
@@ -379,6 +309,7 @@ impl<'a> Builder<'a> {
             n_rows: 0,
             seen: FixedMap::with_hasher(fixed_state()),
             looks: Vec::new(),
+            fading_above: FixedMap::with_hasher(fixed_state()),
             faded: FixedMap::with_hasher(fixed_state()),
         }
     }
@@ -390,14 +321,14 @@ impl<'a> Builder<'a> {
     /// Adds what is drawn from a top on, `world` leading from its frame to the root's.
     pub(super) fn add(&mut self, top: Top, world: Affine3) -> Result<(), TooManyRows> {
         self.look_at_all(top);
-        let mut stack = vec![(top, world)];
-        while let Some((top, world)) = stack.pop() {
+        let mut stack = vec![(top, world, None)];
+        while let Some((top, world, fades_at)) = stack.pop() {
             let look = self.look(top);
             // What draws nothing is passed over, however often it occurs.
             if !self.looks[look].draws {
                 continue;
             }
-            if let Some(number) = self.body_at(look, &world) {
+            if let Some(number) = self.body_at(look, &world, fades_at.as_ref()) {
                 let body = &self.list.bodies[number as usize];
                 let (n_rows, kind) = (body.n_rows(), body.kind);
                 self.count(n_rows, kind)?;
@@ -407,7 +338,8 @@ impl<'a> Builder<'a> {
             stack.extend(self.looks[look].below.iter().rev().map(|below| {
                 let outside = world * below.local;
                 let turn = below.facing.map(|facing| facing.turn(&outside, eye));
-                (below.top, turn.map_or(outside, |turn| outside * turn))
+                let fades_at = below.fades_at.and_then(|place| place.world(&world, &fades_at));
+                (below.top, turn.map_or(outside, |turn| outside * turn), fades_at)
             }));
         }
         Ok(())
@@ -438,110 +370,5 @@ impl<'a> Builder<'a> {
                 stack.extend(below.map(|below| (below.top, false)));
             }
         }
-    }
-
-    /// The number of the body that is drawn at a place.
-    fn body_at(&mut self, look: usize, world: &Affine3) -> Option<u32> {
-        let Some(fading) = &self.looks[look].fading else { return self.looks[look].body };
-        let limits = fading.limits(world, self.supply);
-        if let Some(known) = self.faded.get(&(look, limits.clone())) {
-            return *known;
-        }
-        let body = fading.limited(&limits);
-        let number = self.list.add(body);
-        self.faded.insert((look, limits), number);
-        number
-    }
-
-    /// Looks at an authored site and whatever its rule and the rules below it emitted.
-    fn look(&mut self, top: Top) -> usize {
-        if let Some(look) = self.seen.get(&top) {
-            return *look;
-        }
-        let mut body = Body::new(self.supply.plan(top.site).kind);
-        let mut below = Vec::new();
-        let mut fading_rows = Vec::new();
-        let mut stack = vec![(top.site, top.node, Affine3::IDENTITY, None)];
-        while let Some((site, index, local, fading)) = stack.pop() {
-            let plan = self.supply.plan(site);
-            let first = stack.len();
-            let mut inside_of = |local: Affine3, fading: Option<(&'a Fading, Affine3)>| {
-                let children = plan.fragment.children(index);
-                stack.extend(children.map(|child| (site, child, local, fading)));
-            };
-            let mut inside = |local: Affine3| inside_of(local, fading);
-            if let (Some((fading, local)), Some(n)) = (fading, plan.fragment.n_drawn(index)) {
-                let is_lines = matches!(plan.fragment.node(index), RenderNode::Lines(_));
-                let number = if is_lines { body.lines.len() } else { body.rows.len() };
-                let (n, fading) = (n as u32, fading.clone());
-                fading_rows.push(FadingRow { is_lines, number, n, fading, local });
-            }
-            match plan.fragment.node(index) {
-                RenderNode::Group => inside(local),
-                RenderNode::Transform(transform) => inside(local * *transform),
-                RenderNode::Live(value) => inside(local * plan.live[value as usize]),
-                RenderNode::Facing(facing) => {
-                    let here = Top { site, node: index };
-                    if here == top {
-                        inside(local);
-                    } else {
-                        below.push(Below { top: here, local, facing: Some(*facing) });
-                    }
-                }
-                RenderNode::Fading(fading) => inside_of(local, Some((fading, local))),
-                RenderNode::Mesh { mesh, material } => body.rows.push(DrawRow {
-                    local,
-                    mesh: mesh.clone(),
-                    material: Arc::clone(material),
-                    instances: None,
-                    range: None,
-                }),
-                RenderNode::Instances { mesh, material, transforms } => body.rows.push(DrawRow {
-                    local,
-                    mesh: mesh.clone(),
-                    material: Arc::clone(material),
-                    instances: Some(transforms.clone()),
-                    range: None,
-                }),
-                RenderNode::Lines(lines) => {
-                    body.lines.push(LineRow { local, lines: lines.clone(), range: None });
-                }
-                RenderNode::Light(light) => {
-                    body.lights.push(LightRow { local, light: light.clone() });
-                }
-                RenderNode::Camera(camera) => {
-                    body.cameras.push(CameraRow { local, camera: camera.clone() });
-                }
-                RenderNode::Label(label) => {
-                    body.labels.push(LabelRow { local, label: label.clone() });
-                }
-                RenderNode::Deferred(run) => {
-                    for link in run.first..run.first + run.count {
-                        let (_, Supplied::Ready(child)) = self.supply.enter(self.env, site, link)
-                        else {
-                            continue;
-                        };
-                        if self.supply.plan(child).authored {
-                            let top = Top { site: child, node: 0 };
-                            below.push(Below { top, local, facing: None });
-                        } else {
-                            stack.push((child, 0, local, None));
-                        }
-                    }
-                }
-            }
-            stack[first..].reverse();
-        }
-        let look = if fading_rows.is_empty() {
-            let body = self.list.add(body);
-            Look { body, fading: None, below, draws: body.is_some() }
-        } else {
-            let fading = Some(Box::new(FadingBody { whole: body, rows: fading_rows }));
-            Look { body: None, fading, below, draws: true }
-        };
-        self.looks.push(look);
-        let look = self.looks.len() - 1;
-        self.seen.insert(top, look);
-        look
     }
 }

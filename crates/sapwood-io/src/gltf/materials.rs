@@ -15,7 +15,7 @@ use serde_json::json;
 
 use super::buffer::BufferBuilder;
 use super::document::named;
-use crate::png::png_bytes;
+use crate::png::{Packing, png_bytes};
 
 const EMISSIVE_STRENGTH: &str = "KHR_materials_emissive_strength";
 const DIFFUSE_TRANSMISSION: &str = "KHR_materials_diffuse_transmission";
@@ -136,7 +136,7 @@ impl Materials {
         if let Some(index) = self.textures.get(&digest) {
             return Ok(*index);
         }
-        let bytes = png_bytes(image)?;
+        let bytes = png_bytes(image, Packing::Fast)?;
         let buffer_view = root.push(json::buffer::View {
             buffer: Index::new(0),
             byte_length: USize64::from(bytes.len()),

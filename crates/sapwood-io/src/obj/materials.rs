@@ -11,7 +11,7 @@ use sapwood_geom::{Digest, FixedMap, FixedSet, Image, Shared, fixed_state};
 use sapwood_graph::{Alpha, Body, DrawList, Material};
 
 use super::{name_of, without_spaces};
-use crate::png::png_bytes;
+use crate::png::{Packing, png_bytes};
 use crate::{Error, ErrorKind, parts};
 
 /// Every distinct material of a draw list.
@@ -134,7 +134,7 @@ impl Builder<'_> {
 
     /// The file name of an image.
     fn image(&mut self, image: &Shared<Image>) -> Result<String, String> {
-        self.file((image.digest(), None), || png_bytes(image))
+        self.file((image.digest(), None), || png_bytes(image, Packing::Fast))
     }
 
     /// The file name of one channel of an image times a factor, in grey.
@@ -150,7 +150,8 @@ impl Builder<'_> {
                 [value, value, value, u8::MAX]
             };
             let pixels = image.pixels.iter().map(grey).collect();
-            png_bytes(&Image { width: image.width, height: image.height, pixels })
+            let image = Image { width: image.width, height: image.height, pixels };
+            png_bytes(&image, Packing::Fast)
         })
     }
 

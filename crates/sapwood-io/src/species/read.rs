@@ -56,6 +56,11 @@ impl Reader<'_> {
             }
         }
         self.table("", document);
+        // Whoever names a shape wants trees held by it.
+        let is_given = |key: &str| self.given.contains(&key);
+        if is_given("pruning.envelope") && !is_given("pruning.ratio") {
+            self.species.pruning.ratio = 1.0;
+        }
     }
 
     fn table(&mut self, table: &str, entries: &DeTable<'_>) {

@@ -1,7 +1,8 @@
 //! The components that a tree is made of: plain data, compiled by `rules`.
 //!
 //! [`Tree`] is what users place. It is compiled into one [`Branch`] for each trunk; a branch
-//! emits its [`StemSurface`] and [`Children`], or its [`Leaves`] where it is of the last level.
+//! emits its [`StemSurface`] and [`Children`], or its [`Leaves`] where it is of the last level;
+//! these grow and emit their [`LeafSurface`].
 //! Children of a trunk are branches again, unless they are of the last level. All others come in
 //! batches of [`Twigs`], one for each branch and level, with their surface and their own children
 //! or leaves. Stems, segments and leaves are parts of these. Everything below the tree
@@ -10,11 +11,15 @@
 //! Rules that tell of trees compile them into a [`TreeSurvey`] instead, which asks for the same
 //! branches and twigs as ingredients.
 
+use std::sync::Arc;
+
+use glam::Affine3;
 use sapwood_geom::{Content, Digester, Shared, content};
 use sapwood_graph::{Named, Part};
+use sapwood_images::LeafOutline;
 use sapwood_scene::Component;
 
-use super::{Leaf, Segment, Stem, StemSeed, Stems};
+use super::{Leaf, LeafShape, Segment, Stem, StemSeed, Stems};
 
 /// A tree of the species that the slots above it describe.
 ///
@@ -180,6 +185,53 @@ impl Named for SurveyedGrowth {
 }
 
 impl Component for SurveyedGrowth {}
+
+/// What leaves look like where they have grown.
+#[derive(Clone, Debug)]
+pub struct LeafSurface {
+    /// The stems that carry the leaves.
+    pub stems: Shared<Stems>,
+    /// Where each leaf sits on its stem: [`LeafPlaces::places`](super::LeafPlaces::places).
+    pub places: Shared<Vec<Affine3>>,
+    /// The stem of each leaf, an index into `stems`.
+    pub on: Arc<[u32]>,
+}
+
+impl Content for LeafSurface {
+    fn write(&self, digester: &mut Digester) {
+        // Which stem carries which leaf follows from what the places follow from.
+        digester.add(&self.stems).add(&self.places);
+    }
+}
+
+impl Named for LeafSurface {
+    const NAME: &'static str = "leaf_surface";
+}
+
+impl Component for LeafSurface {}
+
+/// The meshes of one leaf; an ingredient of all leaves that look the same.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeafModel {
+    /// The shape.
+    pub shape: LeafShape,
+    /// The outline that its image cuts out of it, if one does.
+    pub outline: Option<LeafOutline>,
+    /// Its length in metres, without the petiole.
+    pub length: f32,
+    /// Its width in metres.
+    pub width: f32,
+    /// The length of its petiole in metres.
+    pub petiole: f32,
+}
+
+content!(LeafModel { shape, outline, length, width, petiole });
+
+impl Named for LeafModel {
+    const NAME: &'static str = "leaf_model";
+}
+
+impl Component for LeafModel {}
 
 impl Named for Stem {
     const NAME: &'static str = "stem";

@@ -23,16 +23,16 @@ mod survey;
 mod tests;
 
 pub use components::{
-    Branch, Children, Leaves, Seed, StemSurface, SurveyedBranches, SurveyedGrowth, Tree,
-    TreeSurvey, Twigs,
+    Branch, Children, LeafModel, LeafSurface, Leaves, Seed, StemSurface, SurveyedBranches,
+    SurveyedGrowth, Tree, TreeSurvey, Twigs,
 };
 pub use fading::{FadingItem, FadingParams, Season, faded};
 pub use geometry::{
     Detail, closed_stems, leaf_card, leaf_mesh, segments as stem_segments, surface,
 };
 pub use growth::{
-    Frame, Leaf, Limit, Segment, Stem, StemSeed, Stems, children, fit, foreseen, grow, leaves,
-    trunks,
+    Frame, Leaf, LeafPlaces, Limit, Segment, Stem, StemSeed, Stems, children, fit, foreseen, grow,
+    leaf_places, leaves, trunks,
 };
 pub use look::{BarkLook, LeafLook};
 pub use params::{Crown, LeafParams, Level, Pruning, TrunkForm};

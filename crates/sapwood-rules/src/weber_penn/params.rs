@@ -378,6 +378,18 @@ impl LeafParams {
         Self { quality: self.quality * share, ..self.clone() }
     }
 
+    /// These with all that growth does not ask for set to what they say of no species: two that
+    /// are equal then have leaves in the same places.
+    pub fn of_growth(&self) -> Self {
+        let (shape, scale, scale_x, stem_len) = (LeafShape::Oval, 1.0, 1.0, 0.0);
+        Self { shape, scale, scale_x, stem_len, ..self.clone() }
+    }
+
+    /// The length of the petiole in metres.
+    pub fn petiole(&self) -> f32 {
+        self.stem_len * self.length()
+    }
+
     /// The length of a leaf in metres; thinning by quality keeps the total area.
     pub fn length(&self) -> f32 {
         self.scale / self.quality.sqrt()

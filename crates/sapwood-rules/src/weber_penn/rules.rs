@@ -25,9 +25,11 @@ pub fn full() -> RuleSet {
         .with(structure::BranchRule)
         .with(structure::ChildrenRule)
         .with(structure::TwigsRule)
+        .with(structure::LeavesRule)
         // geometry: what it looks like
         .with(geometry::StemSurfaceRule)
-        .with(geometry::LeavesRule::default())
+        .with(geometry::LeafModelRule)
+        .with(geometry::LeafSurfaceRule)
 }
 
 /// Trees as polylines with radii; stems are shared with [`full`].
@@ -45,10 +47,7 @@ pub fn segments() -> RuleSet {
 /// [`Viewer`](sapwood_scene::Viewer), as [`FadingSlot`](super::FadingSlot) says; stems are shared with
 /// [`full`]. Polygons give way to lines, which have no material, and those of leaves to triangles.
 pub fn fading() -> RuleSet {
-    RuleSet::new()
-        .with(fading::FadingSurfaceRule)
-        .with(fading::FadingLeavesRule::default())
-        .over(&full())
+    RuleSet::new().with(fading::FadingSurfaceRule).with(fading::FadingLeavesRule).over(&full())
 }
 
 /// What [`map`] and [`text`] have in common.

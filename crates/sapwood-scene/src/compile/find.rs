@@ -27,13 +27,12 @@ impl Pull<'_> {
     ) -> Result<u32, Interrupted> {
         let memories = self.memories(target, rule, previous);
         let revision = self.revision_of(target);
-        let ahead = ahead.and_then(|ahead| ahead.outcome_for(target, rule, env, previous));
-        if ahead.is_none()
-            && let Some(plan) = self.find(target, rule, revision, env, &memories)
-        {
+        // Also where it ran ahead: it may have been made since, as an ingredient of something.
+        if let Some(plan) = self.find(target, rule, revision, env, &memories) {
             self.note_reused(plan, env)?;
             return Ok(plan);
         }
+        let ahead = ahead.and_then(|ahead| ahead.outcome_for(target, rule, env, previous));
         let new = self.make(target, rule, revision, env, &memories, ahead)?;
         let kept = self.equal_outdated(target, rule, new).unwrap_or(new);
         if kept != new {

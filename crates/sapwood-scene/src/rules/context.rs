@@ -436,6 +436,20 @@ impl<'a> Context<'a> {
         self.draft.parts.add::<P>(rows);
     }
 
+    /// Adds the component's parts of type `P`, `len` of them, which `make` makes when somebody asks
+    /// for them: for rows that are many and follow from what the plan holds anyway.
+    ///
+    /// # Panics
+    /// When parts of this type were added before; the component becomes an error then. Whoever
+    /// asks panics when `make` makes other than `len`.
+    pub fn parts_later<P: Part>(
+        &mut self,
+        len: usize,
+        make: impl FnOnce() -> Vec<P> + Send + Sync + 'static,
+    ) {
+        self.draft.parts.add_later::<P>(len, make);
+    }
+
     /// To be called now and then by rules that take long.
     ///
     /// # Errors

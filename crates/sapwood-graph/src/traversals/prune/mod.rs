@@ -312,7 +312,11 @@ fn of_mesh(pruning: &Pruning, at: &At<'_, Standing>, mesh: &SharedMesh) -> Optio
         let to_plan = fates.world.inverse() * *at.world();
         let mut remains = Remains::new();
         let mut last = None;
-        for triangle in 0..mesh.n_triangles() {
+        // Those of one part together, so that each is capped once: a mesh that fades has them lie
+        // between others.
+        let mut triangles: Vec<usize> = (0..mesh.n_triangles()).collect();
+        triangles.sort_by_cached_key(|triangle| shown.row(*triangle as u32));
+        for triangle in triangles {
             let row = shown.row(triangle as u32);
             if row != last {
                 remains.cap();

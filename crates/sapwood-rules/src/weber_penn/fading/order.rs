@@ -9,7 +9,7 @@ use sapwood_graph::even_order;
 
 use super::FadingItem;
 use crate::weber_penn::geometry::Band;
-use crate::weber_penn::{Leaf, LeafShape, leaf_mesh};
+use crate::weber_penn::{LeafShape, leaf_mesh};
 
 /// Bands in their new order.
 pub(crate) struct OrderedBands {
@@ -45,8 +45,8 @@ pub(crate) fn evenly_ordered_bands(
     OrderedBands { mesh, ends, stems, lines }
 }
 
-/// Leaves in an order that thins evenly.
-pub(crate) fn evenly_ordered_leaves(leaves: &[Leaf]) -> Vec<Leaf> {
+/// Leaves, or what there is of each, in an order that thins evenly.
+pub(crate) fn evenly_ordered_leaves<L: Copy>(leaves: &[L]) -> Vec<L> {
     let order = even_order(leaves.len() as u32, FadingItem::Leaves.mass());
     order.map(|number| leaves[number as usize]).collect()
 }

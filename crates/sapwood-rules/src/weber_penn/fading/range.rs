@@ -56,6 +56,13 @@ impl Default for FadingParams {
     }
 }
 
+impl FadingParams {
+    /// How much larger than they are leaves may be drawn where they keep their coverage.
+    pub fn largest_growth(&self) -> f32 {
+        if self.keeps_coverage { (FadingItem::Leaves.mass() as f32).sqrt() } else { 1.0 }
+    }
+}
+
 /// What fades alike.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FadingItem {

@@ -17,7 +17,8 @@ use crate::weber_penn::{Crown, Level, Pruning, Target};
 /// 1/4096 of the whole.
 const HALVINGS: u32 = 12;
 
-/// Stems below this share of the tree's size are given up (Arbaro's).
+/// Stems that would be shortened to less than this share of the tree's size are given up
+/// (Arbaro's).
 const SHORTEST_FITTING: f32 = 0.001;
 
 /// By how much a length that a rounding let through is taken back, and how often.
@@ -123,7 +124,7 @@ pub fn fit<E>(
         trial.fit(seeds, &doubtful, &mut shares, charge)?;
     }
     for (seed, share) in seeds.iter().zip(&mut shares) {
-        if *share * seed.length < SHORTEST_FITTING * seed.scale_tree {
+        if *share < 1.0 && *share * seed.length < SHORTEST_FITTING * seed.scale_tree {
             *share = 0.0;
         }
         *share = 1.0 - (1.0 - *share) * limit.ratio.clamp(0.0, 1.0);

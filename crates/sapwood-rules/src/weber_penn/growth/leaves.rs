@@ -2,7 +2,7 @@
 
 use std::f32::consts::TAU;
 
-use glam::Vec3;
+use glam::{Affine3, Vec3};
 use sapwood_geom::{Purpose, atan2};
 
 use super::attraction::turned_toward;
@@ -13,7 +13,26 @@ use super::stem::{Leaf, Stem, Stems};
 use super::variation::Draws;
 use crate::weber_penn::{Crown, Dialect, LeafParams, LeafTarget};
 
-/// The leaves of `stems`, in the order of their stems and from base to tip.
+/// Where leaves sit on their stems, whatever their length, width and petiole: one row for each
+/// leaf, in the order of their stems and from base to tip.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LeafPlaces {
+    /// The frame of each leaf where its petiole begins: z along the leaf, y its upper normal. Axes
+    /// are as long as leaves of the tree are, compared with those of its species: 1 but in
+    /// tree-gen's dialect.
+    pub places: Vec<Affine3>,
+    /// The stem it grows on, an index into [`Stems::stems`].
+    pub stems: Vec<u32>,
+}
+
+impl LeafPlaces {
+    fn push(&mut self, frame: Frame, size: f32, stem: usize) {
+        self.places.push(Affine3::from_mat3_translation(frame.axes * size, frame.origin));
+        self.stems.push(stem as u32);
+    }
+}
+
+/// The leaves of `stems`: [`leaf_places`] with everything that makes leaves long and wide.
 ///
 /// `target` stands in tree space. `charge` is told of every leaf before memory is taken for it.
 pub fn leaves<E>(
@@ -23,24 +42,56 @@ pub fn leaves<E>(
     target: &LeafTarget,
     charge: &mut impl FnMut(usize) -> Result<(), E>,
 ) -> Result<Vec<Leaf>, E> {
-    let mut leaves = Vec::with_capacity(likely_number(stems, crown, params));
+    let LeafPlaces { places, stems: on } = leaf_places(stems, crown, params, target, charge)?;
+    Ok(leaves_at(&places, &on, stems, crown, params))
+}
+
+/// The leaves at the places of [`LeafPlaces`].
+pub(crate) fn leaves_at(
+    places: &[Affine3],
+    on: &[u32],
+    stems: &Stems,
+    crown: &Crown,
+    params: &LeafParams,
+) -> Vec<Leaf> {
+    let (length, width, petiole) = (params.length(), params.width(), params.petiole());
+    let leaf = |(place, stem): (&Affine3, &u32)| {
+        let size = relative_size(stems.stems[*stem as usize].seed.scale_tree, crown);
+        let axes = place.matrix3 * size.recip();
+        let origin = place.translation + petiole * size * axes.z_axis;
+        let (length, width) = (length * size, width * size);
+        Leaf { frame: Frame { origin, axes }, length, width, stem: *stem }
+    };
+    places.iter().zip(on).map(leaf).collect()
+}
+
+/// Where the leaves of `stems` sit.
+///
+/// Of the parameters, [those of growth](LeafParams::of_growth) act. `target` stands in tree space.
+/// `charge` is told of every leaf before memory is taken for it.
+pub fn leaf_places<E>(
+    stems: &Stems,
+    crown: &Crown,
+    params: &LeafParams,
+    target: &LeafTarget,
+    charge: &mut impl FnMut(usize) -> Result<(), E>,
+) -> Result<LeafPlaces, E> {
+    let likely = likely_number(stems, crown, params);
+    let mut leaves =
+        LeafPlaces { places: Vec::with_capacity(likely), stems: Vec::with_capacity(likely) };
     let mut turns = Turns::new(stems);
     let tree_gen = crown.dialect == Dialect::TreeGen;
     let grouping = Grouping::new(params.grouping, 1.0);
     for (index, stem) in stems.stems.iter().enumerate() {
         let size = relative_size(stem.seed.scale_tree, crown);
-        let (length, width) = (params.length() * size, params.width() * size);
-        let petiole = params.stem_len * length;
         let draws = |purpose| Draws::new(stem.seed.path, Purpose(purpose), crown.variation);
         let mut rotations = draws("leaf rotation");
         let mut down_angles = draws("leaf down angle");
         let mut facing = Facing { params, target, rolls: draws("leaf roll") };
-        let mut leaf = |offset, frame: Frame| {
+        let mut turned = |offset, frame: Frame| {
             let LeafParams { down_angle: down, down_angle_v: down_v, .. } = *params;
             let down = down_angle(down, down_v, stem, offset, crown.dialect, &mut down_angles);
-            let mut frame = facing.turned(frame.turned_x(down));
-            frame.origin += petiole * frame.axes.z_axis;
-            Leaf { frame, length, width, stem: index as u32 }
+            facing.turned(frame.turned_x(down))
         };
         if params.count < 0 {
             let count = params.count.unsigned_abs() as usize;
@@ -48,7 +99,7 @@ pub fn leaves<E>(
             let tip = stems.frame_at(index, stem.seed.length);
             for i in 0..count {
                 let angle = fan_angle(i, count, params.rotate, params.rotate_v, &mut rotations);
-                leaves.push(leaf(stem.seed.length, tip.turned_y(angle)));
+                leaves.push(turned(stem.seed.length, tip.turned_y(angle)), size, index);
             }
             continue;
         }
@@ -65,13 +116,15 @@ pub fn leaves<E>(
             let (count, slots) = places.on(segment, share);
             if count > 0 {
                 charge(count)?;
-                leaves.reserve(count);
+                leaves.places.reserve(count);
+                leaves.stems.reserve(count);
             }
             for i in 0..count {
                 let (offset, step) = places.at(slots, i);
                 let angle = turn.next(step, params.rotate, params.rotate_v, &mut rotations);
                 let center = stems.center_in(index, segment, offset);
-                leaves.push(leaf(offset, segment.frame.at(center).turned_z(angle)));
+                let frame = turned(offset, segment.frame.at(center).turned_z(angle));
+                leaves.push(frame, size, index);
             }
             turns.note(at, turn);
         }

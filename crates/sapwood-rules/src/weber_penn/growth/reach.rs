@@ -110,6 +110,11 @@ impl Reach {
         Self { side, up, down, middle, radius, margin: margin + thick }
     }
 
+    /// The same with leaves that reach so many times as far.
+    pub(crate) fn with_leaves_grown(self, times: f32) -> Self {
+        Self { margin: self.margin * times, ..self }
+    }
+
     /// The same or a little more: in steps of a sixteenth of the trunk's length, and for the leaves
     /// of a sixteenth of `size` metres.
     pub(crate) fn rounded_up(self, size: f32) -> Self {
@@ -420,7 +425,8 @@ fn leaf_reach(leaves: &LeafParams) -> f32 {
         return 0.0;
     }
     let (length, width) = (leaves.length().abs(), leaves.width().abs());
-    // The unit leaf is one long, and half its width is the most by which it is off its midrib.
-    let tip = Vec3::new(0.5 * width, 0.5 * width, length);
+    // The unit leaf is one long, and half its width is the most by which it is off its midrib; what
+    // stands for it from afar may be twice as wide.
+    let tip = Vec3::new(width, 0.5 * width, length);
     leaves.stem_len.abs() * length + tip.length()
 }

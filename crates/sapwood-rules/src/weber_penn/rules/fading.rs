@@ -10,14 +10,13 @@ use sapwood_geom::{Shared, SharedMesh};
 use sapwood_graph::{DrawRange, Fading, Falloff, Shown};
 use sapwood_scene::{Context, Rule, RuleError, Style, StyleSlot};
 
-use super::super::fading::{SelfFading, evenly_ordered_bands, evenly_ordered_leaves, leaf_point};
+use super::super::fading::{SelfFading, evenly_ordered_bands, evenly_ordered_leaves};
 use super::super::geometry::banded_surface;
-use super::super::slots::{
-    BarkLookSlot, BarkSlot, CrownSlot, DetailSlot, FadingSlot, FoliageSlot, LeafLookSlot,
-    LeafTargetSlot, LeavesSlot,
+use super::super::slots::{BarkLookSlot, BarkSlot, DetailSlot, FadingSlot};
+use super::super::{FadingItem, FadingParams, Leaf, LeafSurface, Stem, StemSurface};
+use super::geometry::{
+    LeafDress, LeafSurfaceRule, StemSurfaceRule, leaf_dress, material, trunk_form,
 };
-use super::super::{FadingItem, FadingParams, Leaf, Leaves, Stem, StemSurface, leaves};
-use super::geometry::{LeavesRule, StemSurfaceRule, material, placed, trunk_form};
 
 /// Compiles stems into tubes that give way to lines.
 pub(super) struct FadingSurfaceRule;
@@ -90,39 +89,24 @@ fn is_gone(params: &FadingParams, falloffs: [&Falloff; 2]) -> bool {
 }
 
 /// Compiles leaves into instances of a polygon that give way to instances of a triangle.
-#[derive(Default)]
-pub(super) struct FadingLeavesRule(LeavesRule);
+pub(super) struct FadingLeavesRule;
 
 impl Rule for FadingLeavesRule {
-    type Component = Leaves;
+    type Component = LeafSurface;
     type Data = SelfFading;
     const NAME: &'static str = "weber_penn.fading_leaves";
 
-    fn init(&self, on: &Leaves, cx: &mut Context<'_>) -> Result<SelfFading, RuleError> {
+    fn init(&self, of: &LeafSurface, cx: &mut Context<'_>) -> Result<SelfFading, RuleError> {
         if *cx.read::<StyleSlot>() != Style::Solid {
-            return self.0.init(on, cx).map(|()| SelfFading);
+            return LeafSurfaceRule.init(of, cx).map(|()| SelfFading);
         }
-        let crown = cx.read::<CrownSlot>();
-        let params = cx.read::<LeavesSlot>();
-        let detail = cx.read::<DetailSlot>();
-        let target = cx.read::<LeafTargetSlot>();
+        let LeafDress { meshes, foliage, rows } = leaf_dress(of, cx)?;
+        let Some(foliage) = foliage else { return Ok(SelfFading) };
+        let (mesh, point) = (meshes.whole.clone(), meshes.point.clone());
         let fading = cx.read::<FadingSlot>();
-        let look = cx.read::<LeafLookSlot>();
-        let (foliage, is_own) = material::<FoliageSlot>(|| look.material(&detail), cx)?;
-        let mesh = self.0.mesh(params.shape, is_own.then_some(look.outline));
-        let point = SharedMesh::new(leaf_point(params.shape));
-        let params = params.thinned(detail.leaves);
-        let n_triangles = mesh.n_triangles() as u64 + 1;
-        let mut charge = |leaves: usize| {
-            cx.reserve_parts(leaves as u64)?;
-            cx.reserve_triangles(leaves as u64 * n_triangles)
-        };
-        let leaves = leaves(&on.stems, &crown, &params, &target, &mut charge)?;
-        if leaves.is_empty() {
-            return Ok(SelfFading);
-        }
-        let leaves = evenly_ordered_leaves(&leaves);
-        let transforms: Vec<_> = leaves.iter().map(placed).collect();
+        let n_triangles = mesh.n_triangles() + point.n_triangles();
+        cx.reserve_triangles((of.places.len() * n_triangles) as u64)?;
+        let transforms = evenly_ordered_leaves(&of.places);
         let item = FadingItem::Leaves;
         let (polygons, points) = (item.polygons(&fading), item.lines(&fading));
         let whole = Fading {
@@ -161,7 +145,7 @@ impl Rule for FadingLeavesRule {
                 }
             }
         }
-        cx.parts::<Leaf>(leaves);
+        cx.parts_later::<Leaf>(of.places.len(), || evenly_ordered_leaves(&rows.make()));
         Ok(SelfFading)
     }
 }

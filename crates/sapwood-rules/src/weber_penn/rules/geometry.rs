@@ -1,21 +1,23 @@
 //! What trees look like: surfaces of stems, and leaves as instances.
 
 use std::convert::Infallible;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
-use glam::{Affine3, Mat3};
-use sapwood_geom::{Content, Digester, FixedMap, Mesh, Shared, SharedMesh, fixed_state};
+use glam::{Affine3, Quat, Vec3};
+use sapwood_geom::{Content, Digester, Mesh, Shared, SharedMesh, content};
 use sapwood_graph::{Material, Offers, Shown, Solids};
-use sapwood_images::{LeafOutline, PaintedMaterial};
+use sapwood_images::PaintedMaterial;
 use sapwood_scene::{Context, Held, MaterialSlot, Rule, RuleError, Slot, Style, StyleSlot};
 
+use super::super::fading::leaf_point;
+use super::super::growth::leaves_at;
 use super::super::slots::{
-    BarkLookSlot, BarkSlot, CrownSlot, DetailSlot, FoliageSlot, LeafLookSlot, LeafTargetSlot,
-    LeavesSlot, TrunkFormSlot,
+    BarkLookSlot, BarkSlot, CrownSlot, DetailSlot, FoliageSlot, LeafLookSlot, LeavesSlot,
+    TrunkFormSlot,
 };
 use super::super::{
-    Detail, Leaf, LeafShape, Leaves, Species, Stem, StemSurface, Stems, TrunkForm, closed_stems,
-    leaf_card, leaf_mesh, leaves, surface,
+    Crown, Detail, Leaf, LeafModel, LeafParams, LeafSurface, Species, Stem, StemSurface, Stems,
+    TrunkForm, closed_stems, leaf_card, leaf_mesh, surface,
 };
 use super::skeleton::draw_stem_lines;
 
@@ -134,88 +136,119 @@ pub(super) fn material<S: Slot<Value = Option<Material>, Rate = Held>>(
     }
 }
 
+/// The least width of a leaf's mesh, as a share of its length.
+const NARROWEST: f32 = 1e-4;
+
+/// Compiles a leaf into its meshes, for whoever draws many of it.
+pub(super) struct LeafModelRule;
+
+/// The meshes of one leaf, from where its petiole begins: z along the leaf, y its upper normal.
+pub(super) struct LeafMeshes {
+    /// Its shape, or the card that an image's outline is cut out of.
+    pub(super) whole: SharedMesh,
+    /// What stands for it from afar.
+    pub(super) point: SharedMesh,
+}
+
+content!(LeafMeshes { whole, point });
+
+impl Rule for LeafModelRule {
+    type Component = LeafModel;
+    type Data = LeafMeshes;
+    const NAME: &'static str = "weber_penn.leaf_model";
+
+    fn init(&self, leaf: &LeafModel, _: &mut Context<'_>) -> Result<LeafMeshes, RuleError> {
+        let &LeafModel { shape, outline, length, width, petiole } = leaf;
+        // Narrower, it would have no triangles that are any.
+        let width = width.max(NARROWEST * length);
+        // As thick as it is wide.
+        let size = Affine3::from_scale_rotation_translation(
+            Vec3::new(width, width, length),
+            Quat::IDENTITY,
+            petiole * Vec3::Z,
+        );
+        let sized = |unit: &Mesh| {
+            let mut mesh = Mesh::default();
+            mesh.append(unit, &size);
+            SharedMesh::new(mesh)
+        };
+        let whole = outline.map_or_else(|| leaf_mesh(shape), |outline| leaf_card(shape, outline));
+        Ok(LeafMeshes { whole: sized(&whole), point: sized(&leaf_point(shape)) })
+    }
+}
+
+/// What leaves are drawn with, as the style asks for it.
+pub(super) struct LeafDress<'a> {
+    pub(super) meshes: &'a LeafMeshes,
+    /// Nothing where edges are drawn.
+    pub(super) foliage: Option<Arc<Material>>,
+    /// Each leaf as a part, when somebody asks.
+    pub(super) rows: LeafRows,
+}
+
+/// What each leaf is known by as a part.
+pub(super) struct LeafRows {
+    of: LeafSurface,
+    crown: Arc<Crown>,
+    params: LeafParams,
+}
+
+impl LeafRows {
+    pub(super) fn make(self) -> Vec<Leaf> {
+        let Self { of, crown, params } = self;
+        leaves_at(&of.places, &of.on, &of.stems, &crown, &params)
+    }
+}
+
+/// Finds out what leaves are drawn with.
+pub(super) fn leaf_dress<'a>(
+    of: &LeafSurface,
+    cx: &mut Context<'a>,
+) -> Result<LeafDress<'a>, RuleError> {
+    let style = *cx.read::<StyleSlot>();
+    let crown = cx.read::<CrownSlot>();
+    let detail = cx.read::<DetailSlot>();
+    let params = cx.read::<LeavesSlot>().thinned(detail.leaves);
+    let (foliage, outline) = if style == Style::Solid {
+        let look = cx.read::<LeafLookSlot>();
+        let (foliage, is_own) = material::<FoliageSlot>(|| look.material(&detail), cx)?;
+        (Some(foliage), is_own.then_some(look.outline))
+    } else {
+        (None, None)
+    };
+    let (length, width, petiole) = (params.length(), params.width(), params.petiole());
+    let model = LeafModel { shape: params.shape, outline, length, width, petiole };
+    let meshes = cx.ingredient::<LeafMeshes>(model)?;
+    Ok(LeafDress { meshes, foliage, rows: LeafRows { of: of.clone(), crown, params } })
+}
+
 /// Compiles leaves into instances of one mesh, or what else the style asks for.
-pub(super) struct LeavesRule {
-    /// The mesh of each shape, and of each outline on it, that was asked for: constants, made once
-    /// and shared by all.
-    meshes: Mutex<FixedMap<(LeafShape, Option<LeafOutline>), SharedMesh>>,
-}
+pub(super) struct LeafSurfaceRule;
 
-impl Default for LeavesRule {
-    fn default() -> Self {
-        Self { meshes: Mutex::new(FixedMap::with_hasher(fixed_state())) }
-    }
-}
-
-impl LeavesRule {
-    pub(super) fn mesh(&self, shape: LeafShape, outline: Option<LeafOutline>) -> SharedMesh {
-        let mut meshes = self.meshes.lock().unwrap_or_else(|broken| broken.into_inner());
-        let new =
-            || SharedMesh::new(outline.map_or_else(|| leaf_mesh(shape), |o| leaf_card(shape, o)));
-        meshes.entry((shape, outline)).or_insert_with(new).clone()
-    }
-}
-
-impl Rule for LeavesRule {
-    type Component = Leaves;
+impl Rule for LeafSurfaceRule {
+    type Component = LeafSurface;
     type Data = ();
-    const NAME: &'static str = "weber_penn.leaves";
+    const NAME: &'static str = "weber_penn.leaf_surface";
 
-    fn init(&self, on: &Leaves, cx: &mut Context<'_>) -> Result<(), RuleError> {
-        let style = *cx.read::<StyleSlot>();
-        if style == Style::Skeleton {
-            return Ok(());
-        }
-        let crown = cx.read::<CrownSlot>();
-        let params = cx.read::<LeavesSlot>();
-        let detail = cx.read::<DetailSlot>();
-        let target = cx.read::<LeafTargetSlot>();
-        let (foliage, outline) = if style == Style::Solid {
-            let look = cx.read::<LeafLookSlot>();
-            let (foliage, is_own) = material::<FoliageSlot>(|| look.material(&detail), cx)?;
-            (Some(foliage), is_own.then_some(look.outline))
-        } else {
-            (None, None)
-        };
-        let mesh = self.mesh(params.shape, outline);
-        // A coarse leaf mesh would lose the shape; fewer, larger leaves keep it.
-        let params = params.thinned(detail.leaves);
-        let n_triangles = mesh.n_triangles() as u64;
-        let mut charge = |leaves: usize| {
-            cx.reserve_parts(leaves as u64)?;
-            cx.reserve_triangles(leaves as u64 * n_triangles)
-        };
-        let leaves = leaves(&on.stems, &crown, &params, &target, &mut charge)?;
-        if leaves.is_empty() {
-            return Ok(());
-        }
+    fn init(&self, of: &LeafSurface, cx: &mut Context<'_>) -> Result<(), RuleError> {
+        let LeafDress { meshes, foliage, rows } = leaf_dress(of, cx)?;
+        let mesh = meshes.whole.clone();
+        cx.reserve_triangles((of.places.len() * mesh.n_triangles()) as u64)?;
         match foliage {
             Some(foliage) => {
-                let transforms = leaves.iter().map(placed).collect();
-                cx.instances(mesh, foliage, Shared::new(transforms));
+                cx.instances(mesh, foliage, of.places.clone());
                 cx.shows(Shown::each::<Leaf>());
             }
             None => {
                 let edges = mesh.edges();
-                let at_each = leaves.iter().map(placed);
-                let lines = at_each
-                    .flat_map(|place| edges.iter().map(move |edge| edge.transformed(&place)));
+                let lines = of
+                    .places
+                    .iter()
+                    .flat_map(|place| edges.iter().map(move |edge| edge.transformed(place)));
                 cx.lines(Shared::new(lines.collect()));
             }
         }
-        cx.parts::<Leaf>(leaves);
+        cx.parts_later::<Leaf>(of.places.len(), || rows.make());
         Ok(())
     }
-}
-
-/// The transform that puts the unit leaf in its place: as wide, as thick and as long as the
-/// leaf is wide, wide and long.
-pub(super) fn placed(leaf: &Leaf) -> Affine3 {
-    let axes = leaf.frame.axes;
-    let scaled = Mat3::from_cols(
-        axes.x_axis * leaf.width,
-        axes.y_axis * leaf.width,
-        axes.z_axis * leaf.length,
-    );
-    Affine3::from_mat3_translation(scaled, leaf.frame.origin)
 }

@@ -1,21 +1,24 @@
 //! What grows where: trees into branches, branches into children, children into branches or
-//! twigs.
+//! twigs, and leaves to their places.
 
 use std::sync::Arc;
 
 use glam::{Affine3, Vec3};
 use sapwood_geom::{Content, Digest, Digester, Shared, StreamPath};
 use sapwood_graph::{Interrupted, Named};
-use sapwood_scene::{ChildPath, Context, Placement, Projection, Rule, RuleError, SlotReader};
+use sapwood_scene::{
+    ChildPath, Context, Placement, Projection, Rule, RuleError, SlotReader, Style, StyleSlot,
+};
 
 use super::super::growth::{Reach, is_attracted};
 use super::super::slots::{
-    CrownSlot, DetailSlot, IsPrunedSlot, LeafTargetSlot, LeavesSlot, LevelSlot, StemTargetSlot,
-    TrunkFormSlot,
+    CrownSlot, DetailSlot, FadingSlot, IsPrunedSlot, LeafTargetSlot, LeavesSlot, LevelSlot,
+    StemTargetSlot, TrunkFormSlot,
 };
 use super::super::{
-    Branch, Children, Crown, LeafTarget, Leaves, Level, Seed, Segment, Stem, StemSeed, StemSurface,
-    Stems, Target, Tree, Twigs, children, grow, trunks,
+    Branch, Children, Crown, Leaf, LeafParams, LeafPlaces, LeafSurface, LeafTarget, Leaves, Level,
+    Seed, Segment, Stem, StemSeed, StemSurface, Stems, Target, Tree, Twigs, children, grow,
+    leaf_places, trunks,
 };
 use super::pruning::{IsPruned, fitted};
 
@@ -140,7 +143,9 @@ impl Projection for ForeseenReach {
         let form = slots.read::<TrunkFormSlot>();
         let leaves = slots.read::<LeavesSlot>().thinned(slots.read::<DetailSlot>().leaves);
         let levels = levels.each_ref().map(|level| &**level);
-        Reach::new(&crown, levels, &form, &leaves, self.topped).rounded_up(crown.scale)
+        let reach = Reach::new(&crown, levels, &form, &leaves, self.topped);
+        let fading = slots.read::<FadingSlot>();
+        reach.with_leaves_grown(fading.largest_growth()).rounded_up(crown.scale)
     }
 }
 
@@ -313,6 +318,54 @@ fn emit_growth(stems: &Shared<Stems>, cx: &mut Context<'_>) {
         cx.emit(Children { stems: stems.clone() });
     } else {
         cx.emit(Leaves { stems: stems.clone() });
+    }
+}
+
+/// Compiles leaves into where they sit; what they look like there is left to others.
+pub(super) struct LeavesRule;
+
+impl Rule for LeavesRule {
+    type Component = Leaves;
+    type Data = ();
+    const NAME: &'static str = "weber_penn.leaves";
+
+    fn init(&self, on: &Leaves, cx: &mut Context<'_>) -> Result<(), RuleError> {
+        let Some(params) = cx.project(LeavesOfGrowth) else { return Ok(()) };
+        let crown = cx.read::<CrownSlot>();
+        let target = cx.read::<LeafTargetSlot>();
+        let LeafPlaces { places, stems } =
+            leaf_places(&on.stems, &crown, &params, &target, &mut charging(cx))?;
+        if places.is_empty() {
+            return Ok(());
+        }
+        // They follow from these alone, so there is no need to read them all for their digest.
+        let mut digester = Digester::new();
+        digester.add(Leaf::NAME).add(&on.stems).add(&*crown).add(&params).add(&*target);
+        let places = Shared::with_digest(digester.finish(), places);
+        cx.emit(LeafSurface { stems: on.stems.clone(), places, on: stems.into() });
+        Ok(())
+    }
+}
+
+/// What growth asks of the leaves, so that leaves of another size stay where they are; nothing
+/// where the style has none drawn.
+struct LeavesOfGrowth;
+
+impl Content for LeavesOfGrowth {
+    fn write(&self, _: &mut Digester) {}
+}
+
+impl Projection for LeavesOfGrowth {
+    type Output = Option<LeafParams>;
+    const NAME: &'static str = "weber_penn.leaves_of_growth";
+
+    fn compute(&self, slots: &mut SlotReader<'_>) -> Option<LeafParams> {
+        if *slots.read::<StyleSlot>() == Style::Skeleton {
+            return None;
+        }
+        // A coarse leaf mesh would lose the shape; fewer, larger leaves keep it.
+        let leaves = slots.read::<LeavesSlot>().thinned(slots.read::<DetailSlot>().leaves);
+        Some(leaves.of_growth())
     }
 }
 

@@ -309,7 +309,7 @@ fn dots(seed: u64) -> Image {
 }
 
 fn png(image: &Image) -> Vec<u8> {
-    crate::png::png_bytes(image).unwrap()
+    crate::png::png_bytes(image, crate::png::Packing::Fast).unwrap()
 }
 
 #[test]

@@ -47,8 +47,11 @@ fn images_must_be_images() {
 
 #[test]
 fn image_bombs_are_refused_by_their_headers() {
-    let mut png =
-        crate::png::png_bytes(&sapwood_geom::Image::from_fn(1, 1, |_, _| [9; 4])).unwrap();
+    let mut png = crate::png::png_bytes(
+        &sapwood_geom::Image::from_fn(1, 1, |_, _| [9; 4]),
+        crate::png::Packing::Fast,
+    )
+    .unwrap();
     png[16..24].copy_from_slice(&[0, 1, 0, 0, 0, 1, 0, 0]);
     let sum = crate::raster::check_sum(&png[12..29]);
     png[29..33].copy_from_slice(&sum.to_be_bytes());
@@ -61,8 +64,11 @@ fn image_bombs_are_refused_by_their_headers() {
     assert_eq!(error, format!("{told} (accepted: a PNG or JPEG image)"));
     // Many small ones count together.
     let (mut document, bin) = with_image(json!({}));
-    let png =
-        crate::png::png_bytes(&sapwood_geom::Image::from_fn(8, 8, |x, _| [x as u8; 4])).unwrap();
+    let png = crate::png::png_bytes(
+        &sapwood_geom::Image::from_fn(8, 8, |x, _| [x as u8; 4]),
+        crate::png::Packing::Fast,
+    )
+    .unwrap();
     let mut bin = bin;
     let view = add(&mut document, &mut bin, (5121, "SCALAR", png.len()), &png);
     document["images"] = json!([{ "bufferView": view }, { "bufferView": view }]);

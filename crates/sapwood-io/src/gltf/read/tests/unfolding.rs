@@ -87,7 +87,11 @@ fn what_unfolds_by_its_materials_is_counted_as_it_is_read() {
     let (mut document, mut bin) = triangle();
     let n = 9_999;
     let positions = add(&mut document, &mut bin, (F32, "VEC3", n), &vec![0; 12 * n]);
-    let png = crate::png::png_bytes(&sapwood_geom::Image::from_fn(1, 1, |_, _| [9; 4])).unwrap();
+    let png = crate::png::png_bytes(
+        &sapwood_geom::Image::from_fn(1, 1, |_, _| [9; 4]),
+        crate::png::Packing::Fast,
+    )
+    .unwrap();
     add(&mut document, &mut bin, (5121, "SCALAR", png.len()), &png);
     let view = document["bufferViews"].as_array().unwrap().len() - 1;
     document["images"] = json!([{ "bufferView": view }]);

@@ -1,0 +1,223 @@
+//! What is drawn from a top on: each is looked at once, however often it occurs.
+
+use std::sync::Arc;
+
+use sapwood_geom::glam::{Affine3, Vec3};
+use sapwood_geom::{Mesh, SharedMesh};
+
+use super::{Body, Builder, CameraRow, DrawRow, LabelRow, LightRow, LineRow, Top};
+use crate::{DrawRange, Facing, Fading, RenderNode, Supplied, Supply};
+
+/// What is drawn from a top on, and the tops right below it.
+pub(super) struct Look {
+    body: Option<u32>,
+    /// A body that is not the same everywhere, for some of it fades.
+    fading: Option<Box<FadingBody>>,
+    pub(super) below: Vec<Below>,
+    /// Whether there is a body here or anywhere below.
+    pub(super) draws: bool,
+}
+
+/// A top below another one.
+pub(super) struct Below {
+    pub(super) top: Top,
+    /// From the lower frame to the upper one, before it is turned.
+    pub(super) local: Affine3,
+    pub(super) facing: Option<Facing>,
+    /// Where the distance is measured by which it fades, if something above has it do so.
+    pub(super) fades_at: Option<FadesAt>,
+}
+
+/// Where a distance is measured by which rows fade.
+#[derive(Clone, Copy)]
+pub(super) enum FadesAt {
+    /// At a frame, which this leads from to the top's own.
+    Here(Affine3),
+    /// Above the top, which turns, and rows fade by a distance that does not.
+    Above,
+}
+
+impl FadesAt {
+    /// From where it is measured to the root, by what leads there from a top and from where its
+    /// own distance is measured.
+    pub(super) fn world(self, of_top: &Affine3, above: &Option<Affine3>) -> Option<Affine3> {
+        match self {
+            Self::Here(local) => Some(*of_top * local),
+            Self::Above => *above,
+        }
+    }
+}
+
+struct FadingBody {
+    /// With everything in it.
+    whole: Body,
+    rows: Vec<FadingRow>,
+}
+
+/// A row that fades.
+struct FadingRow {
+    /// Whether it is one of lines.
+    is_lines: bool,
+    number: usize,
+    /// How many triangles, instances or lines it has.
+    n: u32,
+    fading: Fading,
+    at: FadesAt,
+}
+
+/// What is drawn of one row, and the bits of how much larger.
+pub(super) type Limits = (DrawRange, u32);
+
+impl FadingBody {
+    fn limits(&self, world: &Affine3, above: Option<&Affine3>, supply: &dyn Supply) -> Vec<Limits> {
+        let limits = self.rows.iter().map(|row| {
+            let at = row.at.world(world, &above.copied()).unwrap_or(*world);
+            let range = Fading::range(&at, supply.eye());
+            (row.fading.drawn(row.n, range), row.fading.growth(range).to_bits())
+        });
+        limits.collect()
+    }
+
+    /// What is left of the body; rows of which nothing is are gone.
+    fn limited(&self, limits: &[Limits]) -> Body {
+        let mut body = self.whole.clone();
+        for (row, (range, growth)) in self.rows.iter().zip(limits) {
+            let range = (range.len() < row.n).then_some(*range);
+            if row.is_lines {
+                body.lines[row.number].range = range;
+                continue;
+            }
+            let drawn = &mut body.rows[row.number];
+            drawn.range = range;
+            let growth = f32::from_bits(*growth);
+            if growth != 1.0 && drawn.instances.is_some() {
+                let mut grown = Mesh::default();
+                grown.append(&drawn.mesh, &Affine3::from_scale(Vec3::splat(growth)));
+                drawn.mesh = SharedMesh::new(grown);
+            }
+        }
+        body.rows.retain(|row| row.range.is_none_or(|range| !range.is_empty()));
+        body.lines.retain(|row| row.range.is_none_or(|range| !range.is_empty()));
+        body
+    }
+}
+
+impl<'a> Builder<'a> {
+    /// The number of the body that is drawn at a place; `fades_at` is where the distance is measured
+    /// of what fades above a top that turns.
+    pub(super) fn body_at(
+        &mut self,
+        look: usize,
+        world: &Affine3,
+        fades_at: Option<&Affine3>,
+    ) -> Option<u32> {
+        let Some(fading) = &self.looks[look].fading else { return self.looks[look].body };
+        let limits = fading.limits(world, fades_at, self.supply);
+        if let Some(known) = self.faded.get(&(look, limits.clone())) {
+            return *known;
+        }
+        let body = fading.limited(&limits);
+        let number = self.list.add(body);
+        self.faded.insert((look, limits), number);
+        number
+    }
+
+    /// Looks at an authored site and whatever its rule and the rules below it emitted.
+    pub(super) fn look(&mut self, top: Top) -> usize {
+        if let Some(look) = self.seen.get(&top) {
+            return *look;
+        }
+        let mut body = Body::new(self.supply.plan(top.site).kind);
+        let mut below = Vec::new();
+        let mut fading_rows = Vec::new();
+        let above = self.fading_above.get(&top).map(|fading| (*fading, FadesAt::Above));
+        let mut stack = vec![(top.site, top.node, Affine3::IDENTITY, above)];
+        while let Some((site, index, local, fading)) = stack.pop() {
+            let plan = self.supply.plan(site);
+            let first = stack.len();
+            let mut inside_of = |local: Affine3, fading: Option<(&'a Fading, FadesAt)>| {
+                let children = plan.fragment.children(index);
+                stack.extend(children.map(|child| (site, child, local, fading)));
+            };
+            let mut inside = |local: Affine3| inside_of(local, fading);
+            if let (Some((fading, at)), Some(n)) = (fading, plan.fragment.n_drawn(index)) {
+                let is_lines = matches!(plan.fragment.node(index), RenderNode::Lines(_));
+                let number = if is_lines { body.lines.len() } else { body.rows.len() };
+                let (n, fading) = (n as u32, fading.clone());
+                fading_rows.push(FadingRow { is_lines, number, n, fading, at });
+            }
+            match plan.fragment.node(index) {
+                RenderNode::Group => inside(local),
+                RenderNode::Transform(transform) => inside(local * *transform),
+                RenderNode::Live(value) => inside(local * plan.live[value as usize]),
+                RenderNode::Facing(facing) => {
+                    let here = Top { site, node: index };
+                    if here == top {
+                        inside(local);
+                    } else {
+                        if let Some((fading, _)) = fading {
+                            self.fading_above.insert(here, fading);
+                        }
+                        let (facing, fades_at) = (Some(*facing), fading.map(|(_, at)| at));
+                        below.push(Below { top: here, local, facing, fades_at });
+                    }
+                }
+                RenderNode::Fading(fading) => {
+                    inside_of(local, Some((fading, FadesAt::Here(local))))
+                }
+                RenderNode::Mesh { mesh, material } => body.rows.push(DrawRow {
+                    local,
+                    mesh: mesh.clone(),
+                    material: Arc::clone(material),
+                    instances: None,
+                    range: None,
+                }),
+                RenderNode::Instances { mesh, material, transforms } => body.rows.push(DrawRow {
+                    local,
+                    mesh: mesh.clone(),
+                    material: Arc::clone(material),
+                    instances: Some(transforms.clone()),
+                    range: None,
+                }),
+                RenderNode::Lines(lines) => {
+                    body.lines.push(LineRow { local, lines: lines.clone(), range: None });
+                }
+                RenderNode::Light(light) => {
+                    body.lights.push(LightRow { local, light: light.clone() });
+                }
+                RenderNode::Camera(camera) => {
+                    body.cameras.push(CameraRow { local, camera: camera.clone() });
+                }
+                RenderNode::Label(label) => {
+                    body.labels.push(LabelRow { local, label: label.clone() });
+                }
+                RenderNode::Deferred(run) => {
+                    for link in run.first..run.first + run.count {
+                        let (_, Supplied::Ready(child)) = self.supply.enter(self.env, site, link)
+                        else {
+                            continue;
+                        };
+                        if self.supply.plan(child).authored {
+                            let top = Top { site: child, node: 0 };
+                            below.push(Below { top, local, facing: None, fades_at: None });
+                        } else {
+                            stack.push((child, 0, local, None));
+                        }
+                    }
+                }
+            }
+            stack[first..].reverse();
+        }
+        let look = if fading_rows.is_empty() {
+            let body = self.list.add(body);
+            Look { body, fading: None, below, draws: body.is_some() }
+        } else {
+            let fading = Some(Box::new(FadingBody { whole: body, rows: fading_rows }));
+            Look { body: None, fading, below, draws: true }
+        };
+        self.looks.push(look);
+        let look = self.looks.len() - 1;
+        self.seen.insert(top, look);
+        look
+    }
+}
