@@ -34,7 +34,7 @@ Examples:
   sapwood grow black_tupelo --view text
   sapwood grow japanese_maple --view map -o maple.svg
   sapwood grow quaking_aspen --weld stem -o welded.glb
-  sapwood grow quaking_aspen --weld union -o solid.obj
+  sapwood grow quaking_aspen --weld union -o solid.obj -o print.stl
   sapwood grow quaking_aspen --range 120 -o far.glb -o far.png
   sapwood grow palm -o palm.png --size 600x800 --ground --sun 1,0.5,0.3
   sapwood grow apple -o turn.png --turntable 24 --samples 4 --transparent";
@@ -174,7 +174,8 @@ pub(crate) struct GrowArguments {
     pub(crate) tree: TreeArguments,
     /// Write a file; may be given several times, and all files are written or none: .glb, .gltf
     /// (with a .bin) and .obj (with a .mtl) for surfaces and leaves, .svg for the skeleton or a map,
-    /// .png for a picture, .txt for a text
+    /// .png for a picture, .txt for a text; with --weld union also .stl for the wood, in metres, z
+    /// up
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<Output>,
     /// What to show of the tree
@@ -186,7 +187,8 @@ pub(crate) struct GrowArguments {
     /// too. May be given several times; each cuts
     #[arg(long, value_name = "SHAPE", allow_hyphen_values = true)]
     pub(crate) cut: Vec<Shape>,
-    /// Weld the wood before it is written; not with --cut
+    /// Weld the wood before it is written; not with --cut, whose caps belong to no segment and no
+    /// solid: --prune goes with both
     #[arg(long, value_enum, conflicts_with = "cut")]
     pub(crate) weld: Option<Weld>,
     /// Draw what is left of the tree at this distance, in metres, as the paper has trees fade: fewer

@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 
 use sapwood::geom::Aabb;
 use sapwood::geom::glam::{Affine3, Vec3};
-use sapwood::graph::{DrawList, Eye, Prune};
+use sapwood::graph::{DrawList, Eye, Prune, WeldedUnion};
 use sapwood::io::{FileSet, Shape};
 use sapwood::rules::weber_penn::prune_handlers;
 use sapwood::scene::{Attribute, Handle, RuleSet, Scene, Style, ViewError, ViewId, Viewer};
@@ -25,7 +25,7 @@ use crate::tree;
 use crate::watch::Watch;
 
 pub(crate) use output::Output;
-use output::{Format, ListFormat};
+use output::{Drawn, Format, ListFormat};
 use summary::{Census, Phase, Summary};
 pub(crate) use summary::{grouped, size};
 
@@ -83,20 +83,20 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
             return Err(nothing_left(arguments));
         }
     }
-    let welded = match arguments.weld {
-        None => None,
+    let mut welded = None;
+    match arguments.weld {
+        None => {}
         Some(Weld::Stem) => {
             list = steps.time("weld", || weld::stems(&mut scene, view, &list))?;
-            None
         }
         Some(Weld::Union) => {
             let max = of.max_triangles;
             let join = || weld::union(&mut scene, view, &list, max, watch);
-            let (joined, report) = steps.time("weld", join)?;
+            let WeldedUnion { list: joined, union, report } = steps.time("weld", join)?;
             list = joined;
-            Some(report)
+            welded = Some((union, report));
         }
-    };
+    }
     let has_surfaces = arguments.tree.detail != Detail::Skeleton;
     let surfaces = has_surfaces.then(|| list.n_vertices_and_triangles());
 
@@ -114,7 +114,8 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
     let follower = watch.clone();
     let mut files = FileSet::watched(move |path, bytes| follower.written(path, bytes));
     let lines = lines.as_ref().unwrap_or(&list);
-    write_lists(arguments, &mut files, &list, lines, watch, &mut steps)?;
+    let solid = welded.as_ref().map(|(union, _)| &union.solid);
+    write_lists(arguments, &mut files, &Drawn { list: &list, lines, solid }, watch, &mut steps)?;
     let mut toll = None;
     if let Some(order) = &order {
         let mut held;
@@ -149,9 +150,10 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
         census,
         components,
         surfaces,
-        welded,
+        welded: welded.map(|(_, report)| report),
         bounds,
         phases,
+        notes: arguments.output.iter().filter_map(Output::note).collect(),
         picture: toll,
     })
 }
@@ -191,17 +193,15 @@ fn nothing_left(arguments: &GrowArguments) -> Failure {
 fn write_lists(
     arguments: &GrowArguments,
     files: &mut FileSet,
-    list: &DrawList,
-    lines: &DrawList,
+    drawn: &Drawn<'_>,
     watch: &Watch,
     steps: &mut Steps,
 ) -> Result<(), Failure> {
     for output in &arguments.output {
         let Format::List(format) = output.format() else { continue };
         watch.check()?;
-        let list = if format == ListFormat::Svg { lines } else { list };
         let start = Instant::now();
-        let bytes = format.write(output.path(), files, list)?;
+        let bytes = format.write(output.path(), files, drawn)?;
         steps.note(output.path().display().to_string(), start.elapsed(), Some(bytes));
     }
     Ok(())

@@ -94,7 +94,6 @@ impl Watch {
                 UnionStep::Joined { parts } => {
                     progress.show(format!("welding: {parts} of {n_solids} stems"));
                 }
-                UnionStep::Mending => progress.show("welding: mending".to_owned()),
             }
         }
         if self.wish.is_uttered() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }

@@ -46,7 +46,7 @@ pub use section::Section;
 #[cfg(feature = "simplify")]
 pub use simplify::Simplify;
 #[cfg(feature = "union")]
-pub use solid::{Mended, Union, UnionError, UnionStep, union, union_of_meshes};
+pub use solid::{Member, Mended, Union, UnionError, UnionStep, UnionWork, Unions, dressed, union};
 pub use solid::{Solid, SolidReport};
 pub use stream::{Purpose, Stream, StreamPath};
 pub use sweep::{

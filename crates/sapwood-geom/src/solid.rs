@@ -1,6 +1,8 @@
 //! Solids: closed surfaces without texture coordinates or normals, as a slicer or a physics engine
 //! takes them, and what is wrong with those that are none.
 
+#[cfg(feature = "union")]
+mod boolean;
 mod check;
 mod crossing;
 #[cfg(feature = "union")]
@@ -12,11 +14,11 @@ mod union;
 
 pub use check::SolidReport;
 #[cfg(feature = "union")]
-pub use dress::union_of_meshes;
+pub use dress::dressed;
 #[cfg(feature = "union")]
 pub use mend::Mended;
 #[cfg(feature = "union")]
-pub use union::{Union, UnionError, UnionStep, union};
+pub use union::{Member, Union, UnionError, UnionStep, UnionWork, Unions, union};
 
 use glam::{DVec3, Vec3};
 
@@ -62,6 +64,11 @@ impl Solid {
             }
         }
         (solid, origins)
+    }
+
+    /// Whether there is no triangle.
+    pub fn is_empty(&self) -> bool {
+        self.triangles.is_empty()
     }
 
     /// The corners of a triangle.

@@ -46,7 +46,7 @@ pub use traversals::{
     pick, pick_compiled, prune, prune_compiled, prune_interest, verify,
 };
 #[cfg(feature = "union")]
-pub use traversals::{WeldReport, WeldUnion};
+pub use traversals::{WeldReport, WeldUnion, WeldedUnion};
 pub use walk::{
     Approach, At, Everything, Inside, Interest, Order, Path, Under, discover, traverse, walk,
 };

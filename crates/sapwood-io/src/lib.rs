@@ -1,5 +1,5 @@
-//! Files in and out: species in TOML and in XML of Arbaro, glTF and PNG in and out, OBJ and SVG
-//! out, all errors with file and place.
+//! Files in and out: species in TOML and in XML of Arbaro, glTF and PNG in and out, OBJ, STL and
+//! SVG out, all errors with file and place.
 //!
 //! The only crate that opens files. It grows nothing: what it writes it is given as a draw list.
 
@@ -14,6 +14,7 @@ mod shape;
 mod sound;
 mod species;
 mod spelling;
+mod stl;
 mod svg;
 
 pub use self::gltf::{
@@ -29,4 +30,5 @@ pub use species::{
     built_in, built_in_names, built_in_text, find_species, parse_species, read_species, suggest,
     write_species,
 };
+pub use stl::write_stl;
 pub use svg::{svg, svg_map, write_svg, write_svg_map};

@@ -4,13 +4,14 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
+use sapwood::geom::Solid;
 use sapwood::graph::DrawList;
 use sapwood::io::FileSet;
 
 use crate::failure::Failure;
 use crate::picture;
 
-const ACCEPTED: &str = "accepted: names that end in .glb, .gltf, .obj, .svg, .png or .txt";
+const ACCEPTED: &str = "accepted: names that end in .glb, .gltf, .obj, .svg, .stl, .png or .txt";
 
 /// A file to be written, or several where a picture is turned.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -41,6 +42,18 @@ pub(crate) enum ListFormat {
     Obj,
     /// The skeleton as a drawing.
     Svg,
+    /// The wood as one solid, without leaves.
+    Stl,
+}
+
+/// What there is to be written.
+pub(crate) struct Drawn<'a> {
+    /// What is drawn.
+    pub(crate) list: &'a DrawList,
+    /// The lines that are drawn in its place.
+    pub(crate) lines: &'a DrawList,
+    /// The wood, where it was welded to one solid.
+    pub(crate) solid: Option<&'a Solid>,
 }
 
 impl Output {
@@ -57,6 +70,17 @@ impl Output {
         matches!(self.format, Format::List(ListFormat::Glb | ListFormat::Gltf))
     }
 
+    /// Whether the format has nothing but a solid.
+    pub(crate) fn needs_solid(&self) -> bool {
+        self.format == Format::List(ListFormat::Stl)
+    }
+
+    /// What somebody might not expect of the file.
+    pub(crate) fn note(&self) -> Option<String> {
+        self.needs_solid()
+            .then(|| format!("{}: without leaves, in metres, z up", self.path.display()))
+    }
+
     /// The files that may be written, the output itself first. Of images the first stands for
     /// all: outputs that share one share that too.
     fn claims(&self, turns: Option<u32>) -> Vec<PathBuf> {
@@ -64,7 +88,9 @@ impl Output {
             Format::Png => {
                 return picture::names(&self.path, turns).map(|path| resolved(&path)).collect();
             }
-            Format::List(ListFormat::Glb | ListFormat::Svg) | Format::Text => Vec::new(),
+            Format::List(ListFormat::Glb | ListFormat::Svg | ListFormat::Stl) | Format::Text => {
+                Vec::new()
+            }
             Format::List(ListFormat::Gltf) => vec![sapwood::io::gltf_buffer_path(&self.path)],
             Format::List(ListFormat::Obj) => vec![
                 sapwood::io::obj_material_path(&self.path),
@@ -81,14 +107,16 @@ impl ListFormat {
         self,
         path: &Path,
         files: &mut FileSet,
-        list: &DrawList,
+        drawn: &Drawn<'_>,
     ) -> Result<u64, sapwood::io::Error> {
+        let Drawn { list, lines, solid } = drawn;
         let n_before = files.written().count();
         match self {
             Self::Glb => files.add_glb(path, list)?,
             Self::Gltf => files.add_gltf(path, list)?,
             Self::Obj => files.add_obj(path, list)?,
-            Self::Svg => files.add_svg(path, list)?,
+            Self::Svg => files.add_svg(path, lines)?,
+            Self::Stl => files.add_stl(path, solid.unwrap_or(&Solid::default()))?,
         }
         Ok(files.written().skip(n_before).map(|(_, bytes)| bytes).sum())
     }
@@ -144,6 +172,7 @@ impl FromStr for Output {
             Some("glb") => Format::List(ListFormat::Glb),
             Some("gltf") => Format::List(ListFormat::Gltf),
             Some("obj") => Format::List(ListFormat::Obj),
+            Some("stl") => Format::List(ListFormat::Stl),
             Some("svg") => Format::List(ListFormat::Svg),
             Some("png") => Format::Png,
             Some("txt") => Format::Text,
@@ -161,6 +190,7 @@ mod tests {
     fn the_ending_decides() {
         let format = |path: &str| path.parse::<Output>().map(|output| output.format);
         assert_eq!(format("a/b.glb"), Ok(Format::List(ListFormat::Glb)));
+        assert_eq!(format("a.stl"), Ok(Format::List(ListFormat::Stl)));
         assert_eq!(format("TREE.GLB"), Ok(Format::List(ListFormat::Glb)));
         assert_eq!(format("tree.v2.svg"), Ok(Format::List(ListFormat::Svg)));
         assert_eq!(format("tree.obj"), Ok(Format::List(ListFormat::Obj)));

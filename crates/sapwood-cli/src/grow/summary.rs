@@ -63,6 +63,8 @@ pub(crate) struct Summary {
     pub(crate) welded: Option<WeldReport>,
     pub(crate) bounds: Aabb,
     pub(crate) phases: Vec<Phase>,
+    /// What somebody might not expect of the files.
+    pub(crate) notes: Vec<String>,
     /// What pictures took, if there are any.
     pub(crate) picture: Option<Toll>,
 }
@@ -125,7 +127,7 @@ impl fmt::Display for Summary {
                 Some(bytes) => writeln!(f, "  {:>second$}", size(*bytes))?,
             }
         }
-        Ok(())
+        self.notes.iter().try_for_each(|note| writeln!(f, "\n{note}"))
     }
 }
 
@@ -181,6 +183,7 @@ mod tests {
                 phase("read", 120, None),
                 phase("quaking_aspen.glb", 25_000, Some(12_345_678)),
             ],
+            notes: Vec::new(),
             picture: None,
         }
     }

@@ -1,15 +1,25 @@
 //! `--weld`: the wood of what was grown, each stem welded from its segments or all joined to one.
 
 use sapwood::geom::UnionError;
-use sapwood::graph::{DrawList, Everything, Order, WeldPieces, WeldReport, WeldUnion};
+use sapwood::graph::{DrawList, Everything, Order, WeldPieces, WeldUnion, WeldedUnion};
 use sapwood::scene::{Scene, ViewId};
 
-use crate::arguments::{Detail, GrowArguments};
+use crate::arguments::{Detail, GrowArguments, Weld};
 use crate::failure::Failure;
 use crate::watch::Watch;
 
-/// Refuses to weld what has no surface.
+/// Refuses to weld what has no surface, and files of one solid where nothing makes that.
 pub(super) fn check(arguments: &GrowArguments) -> Result<(), Failure> {
+    let mut outputs = arguments.output.iter();
+    if arguments.weld != Some(Weld::Union)
+        && let Some(output) = outputs.find(|output| output.needs_solid())
+    {
+        return Err(Failure::usage(format!(
+            "{}: STL files hold one solid, and only --weld union makes that of the wood \
+             (accepted: with --weld union, or another ending)",
+            output.path().display()
+        )));
+    }
     if arguments.weld.is_none() || arguments.tree.detail != Detail::Skeleton {
         return Ok(());
     }
@@ -35,7 +45,7 @@ pub(super) fn union(
     list: &DrawList,
     max_triangles: u64,
     watch: &Watch,
-) -> Result<(DrawList, WeldReport), Failure> {
+) -> Result<WeldedUnion, Failure> {
     let mut weld = WeldUnion::new();
     scene.traverse(view, Order::Pre, &Everything, &mut |at| weld.meet(at))?;
     let n_solids = weld.n_solids();

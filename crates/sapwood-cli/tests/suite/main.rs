@@ -7,3 +7,4 @@ mod pictures;
 mod program;
 mod runs;
 mod species_files;
+mod welded;

@@ -76,7 +76,7 @@ fn where_one_output_is_bad_none_is_written() {
     check(
         "-o a.glb -o a.ply",
         2,
-        "accepted: names that end in .glb, .gltf, .obj, .svg, .png or .txt",
+        "accepted: names that end in .glb, .gltf, .obj, .svg, .stl, .png or .txt",
     );
     check("-o a.glb -o no/a.obj", 3, "no/a-1.png: cannot be written: there is no folder");
     check("-o a.glb -o a.obj -o ./a.glb", 2, "a.glb and ./a.glb would both be written to");

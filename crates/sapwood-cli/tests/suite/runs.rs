@@ -62,8 +62,8 @@ fn wrong_arguments_exit_with_2_and_write_nothing() {
         let said = fails(folder.path(), &format!("grow quaking_aspen {arguments}"), 2);
         assert!(said.contains(expected), "{arguments}: {said}");
     };
-    check("-o tree.ply", "accepted: names that end in .glb, .gltf, .obj, .svg, .png or .txt");
-    check("-o tree", "accepted: names that end in .glb, .gltf, .obj, .svg, .png or .txt");
+    check("-o tree.ply", "accepted: names that end in .glb, .gltf, .obj, .svg, .stl, .png or .txt");
+    check("-o tree", "accepted: names that end in .glb, .gltf, .obj, .svg, .stl, .png or .txt");
     check("-o", "a value is required");
     check("--detail skeleton -o tree.glb", "glTF files hold surfaces");
     check("--detail fine", "[possible values: full, draft, segments, skeleton]");

@@ -40,11 +40,15 @@ impl Solid {
     /// Looks for everything that is wrong; costs O(n log n). All triangles must use corners
     /// that are there and finite.
     pub fn check(&self) -> SolidReport {
+        SolidReport { crossings: self.crossings(usize::MAX).len(), ..self.check_edges() }
+    }
+
+    /// As [`check`](Self::check), but does not look for crossings; costs O(n).
+    pub(crate) fn check_edges(&self) -> SolidReport {
         let mut report = SolidReport {
             degenerate_triangles: (0..self.triangles.len())
                 .filter(|triangle| self.is_degenerate(*triangle))
                 .count(),
-            crossings: self.crossings(usize::MAX).len(),
             volume: self.volume(),
             ..SolidReport::default()
         };
@@ -89,15 +93,20 @@ impl Solid {
     }
 
     fn n_components(&self) -> usize {
+        let mut roots = self.components();
+        roots.sort_unstable();
+        roots.dedup();
+        roots.len()
+    }
+
+    /// For each triangle the number of a corner, which is the same for all that hang together.
+    pub fn components(&self) -> Vec<u32> {
         let mut groups = Groups((0..self.positions.len() as u32).collect());
         for [a, b, c] in &self.triangles {
             groups.join(*a, *b);
             groups.join(*b, *c);
         }
-        let mut roots: Vec<u32> = self.triangles.iter().map(|t| groups.root(t[0])).collect();
-        roots.sort_unstable();
-        roots.dedup();
-        roots.len()
+        self.triangles.iter().map(|t| groups.root(t[0])).collect()
     }
 }
 

@@ -2,41 +2,31 @@
 
 use glam::{DVec3, Vec2, Vec3};
 
-use super::{Solid, Union, UnionError, UnionStep, union};
+use super::{Solid, Union};
 use crate::{FixedMap, Mesh, fixed_state};
 
-/// Joins meshes, each the surface of a solid, to one surface, as [`union`] does. Each mesh belongs
-/// to one of `n_groups` groups, as of things with one material; the surface is given as a mesh for
-/// each group. Together these are closed: where two of them meet, both have the very same edges.
+/// A union as meshes, one for each of `n_materials` materials. Together these are closed: where two of
+/// them meet, both have the very same edges. `meshes` are those whose solids
+/// ([`Solid::of_mesh`]) were joined, in this order, and `materials` the number of each one's
+/// material.
 ///
 /// Normals and texture coordinates are those of the mesh that a triangle comes from. Meshes must
 /// be [sound](Mesh::unsound).
 ///
-/// # Errors
-/// As [`union`]; parts are numbered as the meshes are.
-///
 /// # Panics
-/// Where there is not a group for each mesh, or a group has too large a number.
-pub fn union_of_meshes(
-    meshes: &[Mesh],
-    groups: &[u32],
-    n_groups: usize,
-    max_triangles: u64,
-    goes_on: &dyn Fn(UnionStep) -> bool,
-) -> Result<(Vec<Mesh>, Union), UnionError> {
-    assert_eq!(meshes.len(), groups.len(), "each mesh has a group");
-    let (parts, origins): (Vec<Solid>, Vec<Vec<u32>>) =
-        meshes.iter().map(Solid::with_origins).unzip();
-    let joined = union(&parts, max_triangles, goes_on)?;
-    let mut dressed = vec![Dressing::new(); n_groups];
-    for (number, (part, triangle)) in joined.sources.iter().enumerate() {
+/// Where there is not a material for each mesh, or one has too large a number, or the union is of
+/// more meshes.
+pub fn dressed(union: &Union, meshes: &[Mesh], materials: &[u32], n_materials: usize) -> Vec<Mesh> {
+    assert_eq!(meshes.len(), materials.len(), "each mesh has a material");
+    let origins: Vec<Vec<u32>> = meshes.iter().map(|mesh| Solid::with_origins(mesh).1).collect();
+    let mut dressed = vec![Dressing::new(); n_materials];
+    for (number, (part, triangle)) in union.sources.iter().enumerate() {
         let (mesh, part) = (&meshes[*part as usize], *part as usize);
         let origin = triangle.and_then(|triangle| origins[part].get(triangle as usize));
         let source = origin.map(|origin| Source::new(mesh, *origin));
-        dressed[groups[part] as usize].add(&joined.solid, number, part as u32, source.as_ref());
+        dressed[materials[part] as usize].add(&union.solid, number, part as u32, source.as_ref());
     }
-    let meshes = dressed.into_iter().map(|dressing| dressing.mesh).collect();
-    Ok((meshes, joined))
+    dressed.into_iter().map(|dressing| dressing.mesh).collect()
 }
 
 /// A triangle that others were cut from.
@@ -119,17 +109,19 @@ mod tests {
 
     use super::*;
     use crate::shapes::sphere;
+    use crate::union;
 
     #[test]
-    fn groups_close_each_other_and_keep_their_normals() {
+    fn materials_close_each_other_and_keep_their_normals() {
         let mut meshes = vec![sphere(3)];
         for place in [Vec3::X, Vec3::Y] {
             let mut mesh = Mesh::default();
             mesh.append(&sphere(3), &Affine3::from_translation(place));
             meshes.push(mesh);
         }
-        let (dressed, joined) =
-            union_of_meshes(&meshes, &[0, 1, 0], 2, 100_000, &|_| true).unwrap();
+        let solids: Vec<Solid> = meshes.iter().map(Solid::of_mesh).collect();
+        let joined = union(&solids, 100_000, &|_| true).unwrap();
+        let dressed = dressed(&joined, &meshes, &[0, 1, 0], 2);
         let mut all = Mesh::default();
         for mesh in &dressed {
             assert_eq!(mesh.fault(), None);

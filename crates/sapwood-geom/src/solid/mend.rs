@@ -3,6 +3,8 @@
 //! corner a few micrometres. Each step is taken only where fewer faults are left than before,
 //! counted exactly; edges stay manifold throughout.
 
+use std::ops::AddAssign;
+
 use glam::Vec3;
 use smallvec::SmallVec;
 
@@ -43,6 +45,17 @@ pub struct Mended {
     pub moved: usize,
     /// Faults that could not be mended.
     pub left: usize,
+}
+
+impl AddAssign for Mended {
+    fn add_assign(&mut self, other: Self) {
+        let Self { faults, joined, turned, moved, left } = other;
+        self.faults += faults;
+        self.joined += joined;
+        self.turned += turned;
+        self.moved += moved;
+        self.left += left;
+    }
 }
 
 /// Mends `solid`, whose edges must be manifold; `sources` has a row for each triangle and keeps it.
@@ -151,6 +164,7 @@ impl<'a> Table<'a> {
 
     /// The faults of all triangles, or of some, in ascending order.
     fn faults(&self, of: Option<&[u32]>, goes_on: &mut dyn FnMut() -> bool) -> Option<Vec<Fault>> {
+        let is_all = of.is_none();
         let all: Vec<u32>;
         let of = match of {
             Some(of) => of,
@@ -164,7 +178,9 @@ impl<'a> Table<'a> {
             if i % 4096 == 0 && !goes_on() {
                 return None;
             }
-            self.faults_of(*triangle, |other| {
+            // Of all triangles each pair is looked at once.
+            let least = if is_all { *triangle } else { 0 };
+            self.faults_of(*triangle, least, |other| {
                 faults.push([*triangle.min(&other), *triangle.max(&other)]);
             });
         }
@@ -173,8 +189,9 @@ impl<'a> Table<'a> {
         Some(faults)
     }
 
-    /// Calls `each` with every triangle that this one crosses, and with itself if it is degenerate.
-    fn faults_of(&self, triangle: u32, mut each: impl FnMut(u32)) {
+    /// Calls `each` with every triangle from number `least` on that this one crosses, and with itself
+    /// if it is degenerate.
+    fn faults_of(&self, triangle: u32, least: u32, mut each: impl FnMut(u32)) {
         if is_dead(self.solid.triangles[triangle as usize]) {
             return;
         }
@@ -184,6 +201,7 @@ impl<'a> Table<'a> {
         let aabb = self.boxes[triangle as usize];
         let mut look = |other: u32| {
             if other != triangle
+                && other >= least
                 && aabb.intersects(&self.boxes[other as usize])
                 && !is_dead(self.solid.triangles[other as usize])
                 && self.solid.do_cross(triangle as usize, other as usize)
@@ -212,7 +230,7 @@ impl<'a> Table<'a> {
     fn cost(&self, triangles: &[u32]) -> usize {
         let mut n = 0;
         for triangle in triangles {
-            self.faults_of(*triangle, |other| {
+            self.faults_of(*triangle, 0, |other| {
                 n += usize::from(other >= *triangle || !triangles.contains(&other));
             });
         }

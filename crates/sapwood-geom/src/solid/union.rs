@@ -1,23 +1,17 @@
-//! The union of many solids as one. Where their surfaces cross, the crate `manifold-rust` (a port
-//! of the library Manifold) cuts and joins them in double precision, so that edges stay manifold
-//! whatever the input. What rounding to single precision breaks then, [`mend`] mends; the
-//! result is checked exactly and handed out only where nothing is wrong with it.
+//! The union of many solids as one, by groups: what was joined in each group is kept, so that only
+//! groups in which something has changed are joined again, with those above them.
 
 use std::fmt;
-use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-use glam::Vec3;
 use manifold_rust::cancel::CancelToken;
-use manifold_rust::csg_tree::CsgNode;
-use manifold_rust::manifold::Manifold;
-use manifold_rust::types::{Error, MeshGL64, OpType, WindingRule};
+use rayon::prelude::*;
 
-use super::mend::{Mended, mend};
-use super::{Solid, SolidReport};
-
-/// Solids that are joined in one go, before these are joined with each other.
-const BATCH: usize = 256;
+use super::boolean::{Part, join};
+use super::{Mended, Solid, SolidReport};
+use crate::{Content, Digest, Digester, FixedMap, fixed_state};
 
 /// The union of solids.
 #[derive(Clone, Debug)]
@@ -27,10 +21,8 @@ pub struct Union {
     /// For each triangle which part it comes from, and which triangle of the part, both counted
     /// from 0; the triangle is unknown where the part crossed itself.
     pub sources: Vec<(u32, Option<u32>)>,
-    /// What mending did.
+    /// What mending did, here and in the groups that it was joined from.
     pub mended: Mended,
-    /// Parts that crossed themselves, and were made to fill what they go around.
-    pub n_rebuilt: usize,
     /// What is known of the result.
     pub report: SolidReport,
 }
@@ -43,13 +35,11 @@ pub enum UnionStep {
         /// How many.
         parts: usize,
     },
-    /// So many parts hang together already, of all that there are.
+    /// So many of all parts were joined with others at least once.
     Joined {
-        /// How many; counted again when what was joined is joined with each other.
+        /// How many.
         parts: usize,
     },
-    /// What was joined is being mended and checked.
-    Mending,
 }
 
 /// Why there is no union.
@@ -94,15 +84,45 @@ impl fmt::Display for UnionError {
 
 impl std::error::Error for UnionError {}
 
-/// Joins `parts`, each of them a solid, to one. Parts may cross themselves; what is inside any of
-/// them is inside the union. Empty parts are left out.
-///
-/// Corners keep their places but for those where surfaces crossed, which are moved by less than
-/// half a millimetre, nearly always by less than a hundredth of that. The order of corners and
-/// triangles follows from the parts alone.
-///
-/// `goes_on` is told the step every now and then, and ends the work where it answers no. Needs
-/// about one kilobyte for each of at most `max_triangles` triangles.
+/// What a group of solids consists of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Member {
+    /// The solid with this number.
+    Solid(u32),
+    /// The group with this number.
+    Group(u32),
+}
+
+/// What was joined anew, and what was there already.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct UnionWork {
+    /// Groups that were joined.
+    pub n_joined: usize,
+    /// Members of those groups: solids, and groups that count as one each.
+    pub n_members: usize,
+    /// Groups that were kept from an earlier call and are used again.
+    pub n_kept: usize,
+}
+
+/// Joins solids; keeps what it made for the next call.
+#[derive(Clone)]
+pub struct Unions {
+    kept: FixedMap<Digest, Arc<Union>>,
+}
+
+impl Default for Unions {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl fmt::Debug for Unions {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} unions kept", self.kept.len())
+    }
+}
+
+/// Joins `parts` in one go, as [`Unions::join`] joins a group.
 ///
 /// # Errors
 /// See [`UnionError`].
@@ -111,199 +131,242 @@ pub fn union(
     max_triangles: u64,
     goes_on: &dyn Fn(UnionStep) -> bool,
 ) -> Result<Union, UnionError> {
-    let needed: u64 = parts.iter().map(|part| part.triangles.len() as u64).sum();
-    if needed > max_triangles {
-        return Err(UnionError::TooManyTriangles { limit: max_triangles, needed });
-    }
-    let ids = Manifold::reserve_ids(parts.len() as u32);
-    let mut bodies = Vec::new();
-    let mut n_rebuilt = 0;
-    for (number, part) in parts.iter().enumerate() {
-        if number % 64 == 0 && !goes_on(UnionStep::Checked { parts: number }) {
-            return Err(UnionError::Interrupted);
-        }
-        if part.triangles.is_empty() {
-            continue;
-        }
-        let report = part.check();
-        if report.is_sound() {
-            bodies.push(body(part, ids + number as u32));
-            continue;
-        }
-        if !(SolidReport { crossings: 0, degenerate_triangles: 0, ..report }.is_sound()) {
-            return Err(UnionError::NoSolid { part: number, report });
-        }
-        n_rebuilt += 1;
-        let rebuilt = body(part, ids + number as u32).rebuild_solid(WindingRule::Positive);
-        if rebuilt.status() != Error::NoError || rebuilt.is_empty() {
-            return Err(UnionError::NoSolid { part: number, report });
-        }
-        bodies.push(rebuilt);
-    }
-    let joined = joined(bodies, max_triangles, goes_on)?;
-    let (mut solid, mut sources) = rounded(&joined, ids);
-    drop(joined);
-    let mut still = || goes_on(UnionStep::Mending);
-    let mended = mend(&mut solid, &mut sources, &mut still).ok_or(UnionError::Interrupted)?;
-    let (solid, sources) = ordered(&solid, &sources);
-    if !goes_on(UnionStep::Mending) {
-        return Err(UnionError::Interrupted);
-    }
-    let report = solid.check();
-    let is_nothing = solid.triangles.is_empty();
-    if !report.is_sound() && !is_nothing {
-        return Err(UnionError::Unsound { report });
-    }
-    Ok(Union { solid, sources, mended, n_rebuilt, report })
+    let members = (0..parts.len() as u32).map(Member::Solid).collect();
+    let (union, _) = Unions::new().join(parts, &[members], max_triangles, goes_on)?;
+    Ok(Arc::unwrap_or_clone(union))
 }
 
-/// A part as the library takes it; its triangles are told by their numbers afterwards.
-fn body(part: &Solid, id: u32) -> Manifold {
-    let mesh = MeshGL64 {
-        num_prop: 3,
-        vert_properties: part
-            .positions
-            .iter()
-            .flat_map(|position| position.to_array().map(f64::from))
-            .collect(),
-        tri_verts: part.triangles.iter().flatten().map(|corner| u64::from(*corner)).collect(),
-        run_original_id: vec![id],
-        face_id: (0..part.triangles.len() as u64).collect(),
-        ..MeshGL64::default()
-    };
-    Manifold::from_mesh_gl64(&mesh)
-}
+impl Unions {
+    /// Nothing kept yet.
+    pub fn new() -> Self {
+        Self { kept: FixedMap::with_hasher(fixed_state()) }
+    }
 
-/// Joins bodies in batches of neighbours, and those in batches again, until one is left.
-///
-/// The work is done by another thread, so that this one can ask whether it shall go on.
-fn joined(
-    mut bodies: Vec<Manifold>,
-    max_triangles: u64,
-    goes_on: &dyn Fn(UnionStep) -> bool,
-) -> Result<Manifold, UnionError> {
-    let token = CancelToken::new();
-    while bodies.len() > 1 {
-        let n_before = bodies.len();
-        let batches: Vec<Vec<Manifold>> = {
-            let mut rest = bodies.into_iter();
-            std::iter::from_fn(|| {
-                let batch: Vec<Manifold> = rest.by_ref().take(BATCH).collect();
-                (!batch.is_empty()).then_some(batch)
-            })
-            .collect()
-        };
-        let (tell, told) = channel();
-        bodies = std::thread::scope(|scope| {
-            let token = &token;
-            let worker = scope.spawn(move || {
-                let mut done = 0;
-                let mut joined = Vec::with_capacity(batches.len());
-                for batch in batches {
-                    done += batch.len();
-                    let leaves =
-                        batch.into_iter().map(|body| CsgNode::leaf(body.into_impl())).collect();
-                    let node = CsgNode::op_n(OpType::Add, leaves);
-                    joined.push(Manifold::from_impl(node.evaluate_with_token(Some(token))));
-                    if tell.send(done).is_err() || token.is_cancelled() {
-                        break;
-                    }
-                }
-                joined
-            });
-            let mut parts = 0;
-            loop {
-                match told.recv_timeout(Duration::from_millis(20)) {
-                    Ok(done) => parts = done,
-                    Err(RecvTimeoutError::Timeout) => {}
-                    Err(RecvTimeoutError::Disconnected) => break,
-                }
-                if !goes_on(UnionStep::Joined { parts: parts.min(n_before) }) {
-                    token.cancel();
-                }
-            }
-            match worker.join() {
-                Ok(joined) => joined,
-                Err(panic) => std::panic::resume_unwind(panic),
-            }
-        });
-        if token.is_cancelled() {
-            return Err(UnionError::Interrupted);
-        }
-        let needed = bodies.iter().map(|body| body.num_tri() as u64).sum();
+    /// Joins `solids` to one, those of each group first. The last group holds everything; each
+    /// group before it is a member of exactly one that comes after it, and the solids are numbered
+    /// in the order in which groups hold them. Solids may cross themselves and each other; what is
+    /// inside any of them is inside the union. Empty solids are left out.
+    ///
+    /// Corners keep their places but for those where surfaces crossed, which are moved by less than
+    /// half a millimetre for each group that they go through, nearly always by less than a
+    /// hundredth of that. The result follows from solids and groups alone, not from what was
+    /// kept, nor from the number of threads.
+    ///
+    /// `goes_on` is told the step every now and then, and ends the work where it answers no. Needs
+    /// about one kilobyte for each of at most `max_triangles` triangles. What was kept and is
+    /// no group here is forgotten; where the work ends early nothing is.
+    ///
+    /// # Errors
+    /// See [`UnionError`].
+    ///
+    /// # Panics
+    /// Where groups or solids do not come in the order told above.
+    pub fn join(
+        &mut self,
+        solids: &[Solid],
+        groups: &[Vec<Member>],
+        max_triangles: u64,
+        goes_on: &dyn Fn(UnionStep) -> bool,
+    ) -> Result<(Arc<Union>, UnionWork), UnionError> {
+        let needed: u64 = solids.iter().map(|part| part.triangles.len() as u64).sum();
         if needed > max_triangles {
             return Err(UnionError::TooManyTriangles { limit: max_triangles, needed });
         }
+        let plan = Plan::new(solids, groups);
+        let mut work = UnionWork::default();
+        let mut done: Vec<Option<Arc<Union>>> = vec![None; groups.len()];
+        let mut steps: Vec<Vec<usize>> = Vec::new();
+        let mut wanted = vec![false; groups.len()];
+        wanted[groups.len() - 1] = true;
+        for number in (0..groups.len()).rev() {
+            done[number] = self.kept.get(&plan.digests[number]).cloned();
+            if !wanted[number] {
+                continue;
+            }
+            if done[number].is_some() {
+                work.n_kept += 1;
+                continue;
+            }
+            work.n_joined += 1;
+            work.n_members += groups[number].len();
+            let height = plan.heights[number];
+            steps.resize(steps.len().max(height + 1), Vec::new());
+            steps[height].push(number);
+            for member in &groups[number] {
+                if let Member::Group(below) = member {
+                    wanted[*below as usize] = true;
+                }
+            }
+        }
+        let (token, stage) = (CancelToken::new(), Stage::default());
+        if !goes_on(stage.step()) {
+            return Err(UnionError::Interrupted);
+        }
+        // The work is done by other threads, so that this one can ask whether it shall go on.
+        std::thread::scope(|scope| {
+            let (token, stage, done) = (&token, &stage, &mut done);
+            let (plan, steps) = (&plan, &steps);
+            let worker = scope.spawn(move || plan.run(steps, done, max_triangles, token, stage));
+            let mut pause = Duration::from_micros(50);
+            while !worker.is_finished() {
+                std::thread::sleep(pause);
+                pause = (pause * 2).min(Duration::from_millis(20));
+                if !goes_on(stage.step()) {
+                    token.cancel();
+                }
+            }
+            worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+        })?;
+        if token.is_cancelled() || !goes_on(stage.step()) {
+            return Err(UnionError::Interrupted);
+        }
+        let kept = plan.digests.iter().copied().zip(&done);
+        let kept: Vec<_> =
+            kept.filter_map(|(digest, union)| Some((digest, union.clone()?))).collect();
+        self.kept.clear();
+        self.kept.extend(kept);
+        let root = done.pop().flatten().expect("the last group was joined or kept");
+        Ok((root, work))
     }
-    Ok(bodies.pop().unwrap_or_default())
 }
 
-type Source = (u32, Option<u32>);
-
-/// A body in single precision, with the part and the part's triangle that each triangle is of.
-fn rounded(body: &Manifold, ids: u32) -> (Solid, Vec<Source>) {
-    let mesh = body.get_mesh_gl64(-1);
-    let stride = mesh.num_prop as usize;
-    let position = |row: &[f64]| Vec3::new(row[0] as f32, row[1] as f32, row[2] as f32) + 0.0;
-    let mut sources = vec![(0, None); mesh.tri_verts.len() / 3];
-    for (run, id) in mesh.run_original_id.iter().enumerate() {
-        let [from, to] = [run, run + 1].map(|run| mesh.run_index[run] as usize / 3);
-        for (triangle, source) in sources.iter_mut().enumerate().take(to).skip(from) {
-            *source = (id.wrapping_sub(ids), mesh.face_id.get(triangle).map(|face| *face as u32));
-        }
-    }
-    let solid = Solid {
-        positions: mesh.vert_properties.chunks_exact(stride.max(3)).map(position).collect(),
-        triangles: mesh
-            .tri_verts
-            .chunks_exact(3)
-            .map(|t| [t[0] as u32, t[1] as u32, t[2] as u32])
-            .collect(),
-    };
-    (solid, sources)
+/// What is to be joined in which order.
+struct Plan<'a> {
+    solids: &'a [Solid],
+    groups: &'a [Vec<Member>],
+    /// Of each group the number of its first solid.
+    firsts: Vec<u32>,
+    heights: Vec<usize>,
+    digests: Vec<Digest>,
 }
 
-/// The same with corners in the order of their places and triangles in the order of where they
-/// come from, so that nothing is left of the order in which they were made.
-fn ordered(solid: &Solid, sources: &[Source]) -> (Solid, Vec<Source>) {
-    let mut places: Vec<u32> = (0..solid.positions.len() as u32).collect();
-    let key = |corner: &u32| solid.positions[*corner as usize].to_array();
-    places.sort_by(|a, b| {
-        let (a, b) = (key(a), key(b));
-        a[2].total_cmp(&b[2]).then(a[1].total_cmp(&b[1])).then(a[0].total_cmp(&b[0]))
-    });
-    let mut numbers = vec![0; places.len()];
-    for (new, old) in places.iter().enumerate() {
-        numbers[*old as usize] = new as u32;
-    }
-    let first_least = |[a, b, c]: [u32; 3]| {
-        if a < b && a < c {
-            [a, b, c]
-        } else if b < c {
-            [b, c, a]
-        } else {
-            [c, a, b]
+impl<'a> Plan<'a> {
+    fn new(solids: &'a [Solid], groups: &'a [Vec<Member>]) -> Self {
+        let of_solids: Vec<Digest> = solids.par_iter().map(Digest::of).collect();
+        let mut plan = Plan {
+            solids,
+            groups,
+            firsts: vec![u32::MAX; groups.len()],
+            heights: vec![0; groups.len()],
+            digests: Vec::with_capacity(groups.len()),
+        };
+        let mut ends = vec![0; groups.len()];
+        for (number, members) in groups.iter().enumerate() {
+            let mut digester = Digester::new();
+            // The whole is checked more than what is joined further.
+            digester.add(&(number + 1 == groups.len())).add(&members.len());
+            let mut next = None;
+            for member in members {
+                let (first, end) = match member {
+                    Member::Solid(solid) => {
+                        digester.add(&of_solids[*solid as usize]);
+                        (*solid, *solid + 1)
+                    }
+                    Member::Group(below) => {
+                        let below = *below as usize;
+                        assert!(below < number, "groups stand before those that hold them");
+                        digester.add(&plan.digests[below]);
+                        plan.heights[number] = plan.heights[number].max(plan.heights[below] + 1);
+                        (plan.firsts[below], ends[below])
+                    }
+                };
+                assert!(next.is_none_or(|next| next == first), "solids come in order");
+                plan.firsts[number] = plan.firsts[number].min(first);
+                next = Some(end);
+            }
+            ends[number] = next.unwrap_or(0);
+            plan.digests.push(digester.finish());
         }
-    };
-    let triangles = solid.triangles.iter();
-    let mut rows: Vec<(Source, [u32; 3])> = sources
-        .iter()
-        .zip(triangles)
-        .map(|(source, t)| (*source, first_least(t.map(|corner| numbers[corner as usize]))))
-        .collect();
-    rows.sort_unstable();
-    let ordered = Solid {
-        positions: places.iter().map(|old| solid.positions[*old as usize]).collect(),
-        triangles: rows.iter().map(|row| row.1).collect(),
-    };
-    (ordered, rows.into_iter().map(|row| row.0).collect())
+        let (first, end) = (plan.firsts.last(), ends.last());
+        let is_all =
+            end == Some(&(solids.len() as u32)) && (solids.is_empty() || first == Some(&0));
+        assert!(is_all, "the last group holds all solids");
+        plan
+    }
+
+    /// Joins groups of one height after the other, those of a height side by side.
+    fn run(
+        &self,
+        steps: &[Vec<usize>],
+        done: &mut [Option<Arc<Union>>],
+        max_triangles: u64,
+        token: &CancelToken,
+        stage: &Stage,
+    ) -> Result<(), UnionError> {
+        for step in steps {
+            let joined: Vec<Result<Union, UnionError>> =
+                step.par_iter().map(|number| self.join(*number, done, token, stage)).collect();
+            let mut needed = 0;
+            for (number, union) in step.iter().zip(joined) {
+                let union = union?;
+                needed += union.solid.triangles.len() as u64;
+                done[*number] = Some(Arc::new(union));
+            }
+            if needed > max_triangles {
+                return Err(UnionError::TooManyTriangles { limit: max_triangles, needed });
+            }
+        }
+        Ok(())
+    }
+
+    fn join(
+        &self,
+        number: usize,
+        done: &[Option<Arc<Union>>],
+        token: &CancelToken,
+        stage: &Stage,
+    ) -> Result<Union, UnionError> {
+        let members = &self.groups[number];
+        let parts = members.iter().filter_map(|member| match member {
+            Member::Solid(solid) => Some(Part::Solid(*solid, &self.solids[*solid as usize])),
+            Member::Group(below) => {
+                let below = *below as usize;
+                Some(Part::Union(self.firsts[below], done[below].as_deref()?))
+            }
+        });
+        let parts: Vec<Part<'_>> = parts.collect();
+        let is_whole = number + 1 == self.groups.len();
+        join(&parts, self.firsts[number], is_whole, token, stage)
+    }
+}
+
+/// How far the work has come, for whoever looks on.
+#[derive(Default)]
+pub(super) struct Stage {
+    checked: AtomicUsize,
+    joined: AtomicUsize,
+}
+
+impl Stage {
+    /// Notes that one more part was looked at.
+    pub(super) fn checked(&self) {
+        self.checked.fetch_add(1, Ordering::Relaxed);
+    }
+
+    /// Notes that so many more parts were joined.
+    pub(super) fn joined(&self, n: usize) {
+        self.joined.fetch_add(n, Ordering::Relaxed);
+    }
+
+    fn step(&self) -> UnionStep {
+        match self.joined.load(Ordering::Relaxed) {
+            0 => UnionStep::Checked { parts: self.checked.load(Ordering::Relaxed) },
+            parts => UnionStep::Joined { parts },
+        }
+    }
+}
+
+impl Content for Solid {
+    fn write(&self, digester: &mut Digester) {
+        digester.add(&self.positions).add(&self.triangles);
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use std::cell::Cell;
 
-    use glam::Affine3;
+    use glam::{Affine3, Vec3};
 
     use super::*;
     use crate::shapes::sphere;
@@ -383,7 +446,8 @@ mod tests {
         let joined = union(&parts, MANY, &going).unwrap();
         let three: Vec<_> = (0..3).map(|i| solid(i as f32 * Vec3::X, 1.0)).collect();
         let expected = union(&three, MANY, &going).unwrap().report.volume;
-        assert_eq!((joined.n_rebuilt, joined.report.components), (1, 1));
+        assert_eq!(joined.report.components, 1);
+        assert!(joined.sources.iter().all(|(part, _)| *part < 2));
         assert!((joined.report.volume / expected - 1.0).abs() < 1e-4);
     }
 
@@ -402,12 +466,64 @@ mod tests {
             refused.unwrap_err(),
             UnionError::TooManyTriangles { limit: needed - 1, needed }
         );
-        for step in [UnionStep::Checked { parts: 0 }, UnionStep::Mending] {
+        for step in [UnionStep::Checked { parts: 0 }, UnionStep::Joined { parts: 1 }] {
             let stopped = union(&parts[..1], MANY, &|at| at != step);
             assert_eq!(stopped.unwrap_err(), UnionError::Interrupted, "{step:?}");
         }
         let (heap, _) = heap(300);
         let stopped = union(&heap, MANY, &|at| !matches!(at, UnionStep::Joined { .. }));
         assert_eq!(stopped.unwrap_err(), UnionError::Interrupted);
+    }
+
+    /// Groups of four, and groups of three of those, up to one.
+    fn grouped(n: u32) -> Vec<Vec<Member>> {
+        let solids: Vec<u32> = (0..n).collect();
+        let mut groups: Vec<Vec<Member>> = solids
+            .chunks(4)
+            .map(|four| four.iter().copied().map(Member::Solid).collect())
+            .collect();
+        let mut top: Vec<u32> = (0..groups.len() as u32).collect();
+        while top.len() > 1 {
+            let first = groups.len() as u32;
+            groups.extend(
+                top.chunks(3)
+                    .map(|three| three.iter().copied().map(Member::Group).collect::<Vec<_>>()),
+            );
+            top = (first..groups.len() as u32).collect();
+        }
+        groups
+    }
+
+    #[test]
+    fn what_changed_is_joined_again_with_what_holds_it_and_nothing_else() {
+        let (mut parts, _) = heap(40);
+        let groups = grouped(40);
+        // 10 groups of solids, 4 of those, 2, and 1.
+        assert_eq!(groups.len(), 17);
+        let mut unions = Unions::new();
+        let (first, work) = unions.join(&parts, &groups, MANY, &going).unwrap();
+        assert_eq!(work, UnionWork { n_joined: 17, n_members: 40 + 10 + 4 + 2, n_kept: 0 });
+        assert!(first.report.is_sound(), "{}", first.report);
+        let flat = union(&parts, MANY, &going).unwrap().report;
+        assert!((first.report.volume / flat.volume - 1.0).abs() < 1e-5);
+        for (triangle, (part, source)) in first.sources.iter().enumerate() {
+            let [a, b, c] = parts[*part as usize].corners(source.unwrap() as usize);
+            let normal = (b - a).cross(c - a).normalize();
+            for corner in first.solid.corners(triangle) {
+                // Mending may move a corner in each of the four groups that it goes through.
+                assert!((corner - a).dot(normal).abs() < 2e-3);
+            }
+        }
+
+        let (same, work) = unions.join(&parts, &groups, MANY, &going).unwrap();
+        assert_eq!(work, UnionWork { n_joined: 0, n_members: 0, n_kept: 1 });
+        assert_eq!(same.solid, first.solid);
+
+        parts[5] = solid(0.3 * Vec3::ONE, 0.25);
+        let (kept, work) = unions.join(&parts, &groups, MANY, &going).unwrap();
+        assert_eq!(work, UnionWork { n_joined: 4, n_members: 4 + 3 + 3 + 2, n_kept: 2 + 2 + 1 });
+        let (anew, _) = Unions::new().join(&parts, &groups, MANY, &going).unwrap();
+        assert_eq!((&kept.solid, &kept.sources), (&anew.solid, &anew.sources));
+        assert_eq!((kept.mended, kept.report), (anew.mended, anew.report));
     }
 }

@@ -33,5 +33,5 @@ pub use prune::{
 };
 pub use verify::{Finding, Report, Severity, verify};
 #[cfg(feature = "union")]
-pub use weld::{WeldReport, WeldUnion};
+pub use weld::{WeldReport, WeldUnion, WeldedUnion};
 pub use weld_pieces::{PiecesReport, WeldPieces};

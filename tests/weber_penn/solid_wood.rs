@@ -1,0 +1,103 @@
+//! Wood welded to one solid: nothing is wrong with its surface, all tips are there, it has the volume
+//! of its stems, nothing hangs in the air; and what was joined is kept.
+
+use sapwood::geom::glam::Vec3;
+use sapwood::geom::{Envelope, Mesh, Solid, UnionWork};
+use sapwood::graph::{DrawList, Everything, Order, WeldUnion, WeldedUnion};
+use sapwood::rules::weber_penn::{Seed, Species, Tree};
+use sapwood::scene::{EnvelopeSlot, Scene, ViewId};
+
+use super::trees::*;
+use super::wood::Wood;
+
+fn welded(scene: &mut Scene, view: ViewId, weld: &mut WeldUnion) -> WeldedUnion {
+    scene.traverse(view, Order::Pre, &Everything, &mut |at| weld.meet(at)).unwrap();
+    let list = scene.draw_list(view, usize::MAX).unwrap();
+    weld.join(&list, 10_000_000, &|_| true).unwrap()
+}
+
+/// What a list draws of the wood, all materials together.
+fn surface(list: &DrawList) -> Mesh {
+    let mut surface = Mesh::default();
+    for (world, row) in list.placed_rows().filter(|(_, row)| row.instances.is_none()) {
+        surface.append(&row.mesh, &world);
+    }
+    surface
+}
+
+/// Welds the wood of a tree and looks for whatever may be wrong with it.
+fn check(species: &Species, seed: u64) {
+    let mut tree = planted_in(Scene::new(), species, seed);
+    let WeldedUnion { list, union, report } =
+        welded(&mut tree.scene, tree.view, &mut WeldUnion::new());
+    let name = &species.name;
+
+    // What is drawn is the union: looked at by positions alone, so through the eyes of whoever
+    // reads a file.
+    let mesh = surface(&list);
+    assert_eq!(mesh.fault(), None, "{name}");
+    let solid = Solid::of_mesh(&mesh);
+    let found = solid.check();
+    assert!(found.is_sound(), "{name}: {found}");
+    assert_eq!(solid.triangles.len(), union.solid.triangles.len());
+    assert_eq!(report.n_triangles, solid.triangles.len() as u64);
+
+    let wood = Wood::of(&mut tree.scene, tree.view);
+    assert_eq!((wood.stems.len(), wood.n_uncovered()), (report.n_solids, 0), "{name}");
+    let (lost, n_covered) = wood.lost_tips(&solid, 1e-3);
+    assert!(lost.is_empty(), "{name}: {} of {} tips", lost.len(), wood.tips.len());
+    assert!(10 * n_covered <= wood.tips.len(), "{name}: {n_covered} of {}", wood.tips.len());
+    assert!(wood.afloat(&union).is_empty(), "{name}");
+    let volume = wood.volume(200_000);
+    let off = found.volume / volume - 1.0;
+    assert!(off.abs() < 0.02, "{name}: {} m3, of {volume} by points", found.volume);
+}
+
+#[test]
+fn the_wood_of_trees_becomes_one_solid() {
+    // One with lobes, with splits on all levels, with stems that hardly taper, and with many trunks.
+    check(&built_in("palm"), 1);
+    check(&sapling(), 1);
+    check(&built_in("small_pine"), 1);
+    check(&with(&built_in("japanese_maple"), &[("level.2.branches", 3.0)]), 1);
+    check(&with(&built_in("bamboo"), &[("level.0.branches", 6.0)]), 1);
+}
+
+#[test]
+fn a_branch_that_is_cut_is_joined_again_with_what_it_grows_on() {
+    let mut scene = checked_scene();
+    let family = scene.add(sapling().attribute());
+    scene.add_to(family, Tree { seed: Seed::Explicit(1) }).unwrap();
+    let view = scene.open_view(family, &sapwood::standard_rules()).unwrap();
+    let mut weld = WeldUnion::new();
+    let hold = |scene: &mut Scene, x: f32| {
+        let wall = Envelope::half_space(Vec3::X, x);
+        scene.edit(family, |attribute| attribute.set::<EnvelopeSlot>(Some(wall))).unwrap();
+    };
+    let reach = {
+        let list = scene.draw_list(view, usize::MAX).unwrap();
+        surface(&list).bound().aabb.max.x
+    };
+    hold(&mut scene, reach + 0.05);
+    let first = welded(&mut scene, view, &mut weld);
+    let work = first.report.work;
+    // Every branch with its twigs, and the trunk with the branches.
+    assert!(work.n_joined > 5 && work.n_kept == 0, "{work:?}");
+    // Each group but the last is a member of another.
+    assert_eq!(work.n_members, first.report.n_solids + work.n_joined - 1);
+
+    // Nothing happened: nothing is joined.
+    let second = welded(&mut scene, view, &mut weld);
+    assert_eq!(second.report.work, UnionWork { n_joined: 0, n_members: 0, n_kept: 1 });
+    assert_eq!(second.union.solid, first.union.solid);
+
+    hold(&mut scene, reach - 0.05);
+    let third = welded(&mut scene, view, &mut weld);
+    let again = third.report.work;
+    assert_eq!((again.n_joined, again.n_kept), (2, work.n_joined - 2), "{again:?}");
+    assert!(2 * again.n_members < work.n_members, "{again:?} {work:?}");
+    let fresh = welded(&mut scene, view, &mut WeldUnion::new());
+    assert_eq!(fresh.union.solid, third.union.solid);
+    assert_eq!(digest(&fresh.list), digest(&third.list));
+    assert_ne!(digest(&first.list), digest(&third.list));
+}
