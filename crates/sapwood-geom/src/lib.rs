@@ -50,7 +50,7 @@ pub use solid::{Member, Mended, Union, UnionError, UnionStep, UnionWork, Unions,
 pub use solid::{Solid, SolidReport};
 pub use stream::{Purpose, Stream, StreamPath};
 pub use sweep::{
-    Around, Cap, Fork, Forking, Ring, RingPlane, Sweep, SweepOptions, SweepStart, Swept,
+    Around, Cap, Fork, Forking, Ring, RingPlane, Sweep, SweepOptions, SweepStart, Swept, Written,
 };
 pub use triangle_pack::TrianglePack;
 pub use trig::{atan2, sin_cos};

@@ -162,8 +162,9 @@ impl Mesh {
     }
 
     /// Gives triangles, from index `first` on, a vertex with their own normal where a corner's is
-    /// more than 90 degrees off it.
-    pub(crate) fn keep_own_normals(&mut self, first: usize) {
+    /// more than 90 degrees off it. `copied` is told for each, in their order, of which vertex it is a
+    /// copy.
+    pub(crate) fn keep_own_normals(&mut self, first: usize, mut copied: impl FnMut(u32)) {
         for first in (first..self.indices.len()).step_by(3) {
             let corners = [0, 1, 2].map(|i| self.indices[first + i] as usize);
             let [p, q, r] = corners.map(|i| self.positions[i]);
@@ -175,6 +176,7 @@ impl Mesh {
                     self.positions.push(self.positions[corner]);
                     self.uvs.push(self.uvs[corner]);
                     self.normals.push(face);
+                    copied(corner as u32);
                 }
             }
         }

@@ -14,7 +14,7 @@ use glam::{Vec2, Vec3};
 
 pub use self::fork::Fork;
 pub use self::piece::{RingPlane, Swept};
-pub use self::write::Forking;
+pub use self::write::{Forking, Written};
 use crate::Section;
 
 /// A cross-section of a tube: where its middle is and how thick the tube is there.

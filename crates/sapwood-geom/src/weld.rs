@@ -252,7 +252,7 @@ impl<'a> Welded<'a> {
         }
         let unit: Vec<Vec3> = self.sums.iter().map(|sum| sum.normalize_or(Vec3::Z)).collect();
         self.mesh.normals = self.normal_of.iter().map(|(sum, _)| unit[*sum as usize]).collect();
-        self.mesh.keep_own_normals(0);
+        self.mesh.keep_own_normals(0, |_| ());
         self.mesh
     }
 }

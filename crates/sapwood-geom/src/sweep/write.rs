@@ -6,6 +6,24 @@ use super::forked::Inward;
 use super::{Around, Cap, Fork, Laid, Sweep};
 use crate::{Mesh, Section};
 
+/// What vertices of a tube are, as they are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Written {
+    /// All up to this number of vertices in the mesh lie on a ring, by its number among those
+    /// [kept](Sweep::kept).
+    Ring {
+        /// The ring.
+        kept: usize,
+        /// How many vertices the mesh has with those on the ring.
+        n_vertices: usize,
+    },
+    /// One more, at the place of a vertex that was written before.
+    Copy {
+        /// The number of that vertex in the mesh.
+        of: u32,
+    },
+}
+
 /// A ring of a tube that others leave as well.
 #[derive(Clone, Copy, Debug)]
 pub struct Forking<'a> {
@@ -42,6 +60,22 @@ impl Sweep {
         mesh: &mut Mesh,
         vertices: &mut Vec<u32>,
     ) {
+        self.write_noting(section, forking, mesh, vertices, &mut |_| {});
+    }
+
+    /// As [`write_forking`](Self::write_forking); `note` is told what the vertices are, in their
+    /// order. Discs lie on the first and the last ring.
+    ///
+    /// # Panics
+    /// As [`write`](Self::write).
+    pub fn write_noting(
+        &self,
+        section: &Section,
+        forking: &[Forking<'_>],
+        mesh: &mut Mesh,
+        vertices: &mut Vec<u32>,
+        note: &mut impl FnMut(Written),
+    ) {
         let sides = section.n_sides() as usize;
         if self.n_triangles(sides) == 0 {
             return;
@@ -51,6 +85,7 @@ impl Sweep {
         let (first, last) = (self.laid[0], self.laid[self.laid.len() - 1]);
         if self.base != Cap::Open && !first.is_point {
             self.write_disc(section, &first, -1.0, mesh);
+            note(Written::Ring { kept: 0, n_vertices: mesh.positions.len() });
         }
         let mut forking = forking.iter().peekable();
         let mut before: Option<&Laid> = None;
@@ -77,13 +112,15 @@ impl Sweep {
                 inward = Some(self.turn_inward(section, laid, parted, ring, mesh));
             }
             before = Some(laid);
+            note(Written::Ring { kept: row as usize, n_vertices: mesh.positions.len() });
         }
         if self.tip != Cap::Open && !last.is_point {
             self.write_disc(section, &last, 1.0, mesh);
+            note(Written::Ring { kept: self.laid.len() - 1, n_vertices: mesh.positions.len() });
         }
         if has_forks {
             // Walls may lean far from a ring that they share with others.
-            mesh.keep_own_normals(first_index);
+            mesh.keep_own_normals(first_index, |of| note(Written::Copy { of }));
         }
     }
 
