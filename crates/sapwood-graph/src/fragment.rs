@@ -17,7 +17,7 @@ use smallvec::SmallVec;
 pub use builder::FragmentBuilder;
 pub use shown::Shown;
 
-use crate::{Camera, Facing, Fading, Kind, Label, Light, Material};
+use crate::{Camera, Facing, Fading, Kind, Label, Light, Material, Rig};
 
 /// A render node as traversals see it.
 #[derive(Clone, Copy, Debug)]
@@ -35,6 +35,11 @@ pub enum RenderNode<'a> {
     /// nearby. What other plans supply below it is not its business, and of several such nodes
     /// above each other the lowest counts.
     Fading(&'a Fading),
+    /// Holds what sways: of the meshes and instances that it has below itself, each vertex and each
+    /// instance follows a joint ([`Fragment::followed`]). They stand at rest in every walk;
+    /// [`Poses`](crate::Poses) move what a draw list has. What other plans supply below it is not
+    /// its business, and of several such nodes above each other the lowest counts.
+    Swaying(&'a Shared<Rig>),
     /// A mesh with its material.
     Mesh {
         /// The triangles.
@@ -83,6 +88,7 @@ enum Code {
     Live(u32),
     Facing(u32),
     Fading(u32),
+    Swaying(u32),
     Mesh(u32),
     Instances(u32),
     Lines(u32),
@@ -107,11 +113,21 @@ struct Drawn {
     lines: Vec<Shared<Vec<Polyline>>>,
     facings: Vec<Facing>,
     fadings: Vec<Fading>,
+    rigs: Vec<Shared<Rig>>,
     lights: Vec<Light>,
     cameras: Vec<Camera>,
     labels: Vec<Label>,
     /// By the number of the node, ascending.
     shown: Vec<(u32, Shown)>,
+    /// By the number of the node, ascending.
+    followed: Vec<(u32, Followed)>,
+}
+
+/// What a node follows, and a bound of it in any wind.
+#[derive(Debug)]
+struct Followed {
+    joints: Shared<Vec<u32>>,
+    bound: Bound,
 }
 
 #[derive(Debug)]
@@ -187,6 +203,7 @@ impl Fragment {
             Code::Live(i) => RenderNode::Live(i),
             Code::Facing(i) => RenderNode::Facing(&drawn().facings[i as usize]),
             Code::Fading(i) => RenderNode::Fading(&drawn().fadings[i as usize]),
+            Code::Swaying(i) => RenderNode::Swaying(&drawn().rigs[i as usize]),
             Code::Mesh(i) => {
                 let (mesh, material) = &drawn().meshes[i as usize];
                 RenderNode::Mesh { mesh, material }
@@ -229,8 +246,12 @@ impl Fragment {
     }
 
     /// The bound of what the node at `index` draws itself, in its own frame; nothing for nodes
-    /// that only hold or place others, and for lights and cameras.
+    /// that only hold or place others, and for lights and cameras. What sways stays inside in any
+    /// wind.
     pub fn drawn_bound(&self, index: u32) -> Option<Bound> {
+        if let Some(followed) = self.followed_by(index) {
+            return Some(followed.bound);
+        }
         let drawn = || self.drawn.as_deref().expect("drawn nodes have a table");
         match self.nodes[index as usize].code {
             Code::Mesh(i) => Some(*drawn().meshes[i as usize].0.bound()),
@@ -246,6 +267,7 @@ impl Fragment {
             | Code::Live(_)
             | Code::Facing(_)
             | Code::Fading(_)
+            | Code::Swaying(_)
             | Code::Light(_)
             | Code::Camera(_)
             | Code::Deferred(_) => None,
@@ -263,6 +285,7 @@ impl Fragment {
             | Code::Transform(_)
             | Code::Live(_)
             | Code::Facing(_)
+            | Code::Swaying(_)
             | Code::Mesh(_)
             | Code::Instances(_)
             | Code::Lines(_)
@@ -286,6 +309,7 @@ impl Fragment {
             | Code::Live(_)
             | Code::Facing(_)
             | Code::Fading(_)
+            | Code::Swaying(_)
             | Code::Light(_)
             | Code::Camera(_)
             | Code::Label(_)
@@ -300,6 +324,19 @@ impl Fragment {
         Some(&shown[row].1)
     }
 
+    /// For each vertex of the mesh, or each of the instances, that the node at `index` draws, the
+    /// joint that it follows, of the rig of the lowest swaying node above it; nothing where it
+    /// follows none.
+    pub fn followed(&self, index: u32) -> Option<&Shared<Vec<u32>>> {
+        self.followed_by(index).map(|followed| &followed.joints)
+    }
+
+    fn followed_by(&self, index: u32) -> Option<&Followed> {
+        let followed = &self.drawn.as_deref()?.followed;
+        let row = followed.binary_search_by_key(&index, |(node, _)| *node).ok()?;
+        Some(&followed[row].1)
+    }
+
     /// The tree over the boxes of the instances of the node at `index`, in the node's frame; the
     /// first call makes it. Nothing for nodes that repeat no mesh.
     pub fn instance_tree(&self, index: u32) -> Option<&BoxTree> {
@@ -311,6 +348,15 @@ impl Fragment {
         let Instanced { each, transforms, tree, .. } = &drawn.instances[i as usize];
         let of_each = &each.aabb;
         Some(tree.get_or_init(|| BoxTree::new(transforms.iter().map(|t| of_each.transformed(t)))))
+    }
+
+    /// The bound of one instance of the node at `index`, however large it is drawn; nothing for
+    /// nodes that repeat no mesh.
+    fn instanced_bound(&self, index: u32) -> Option<Bound> {
+        match self.nodes[index as usize].code {
+            Code::Instances(i) => Some(self.drawn.as_deref()?.instances[i as usize].each),
+            _ => None,
+        }
     }
 
     /// Triangles that the fragment draws itself, every instance counted.
@@ -341,6 +387,7 @@ impl Content for Fragment {
                 RenderNode::Lines(lines) => digester.add(&5u8).add(lines),
                 RenderNode::Facing(facing) => digester.add(&7u8).add(facing),
                 RenderNode::Fading(fading) => digester.add(&11u8).add(fading),
+                RenderNode::Swaying(rig) => digester.add(&12u8).add(rig),
                 RenderNode::Light(light) => digester.add(&8u8).add(light),
                 RenderNode::Camera(camera) => digester.add(&9u8).add(camera),
                 RenderNode::Label(label) => digester.add(&10u8).add(label),
@@ -355,6 +402,9 @@ impl Content for Fragment {
         }
         for (index, shown) in self.drawn.iter().flat_map(|drawn| &drawn.shown) {
             digester.add(index).add(shown);
+        }
+        for (index, followed) in self.drawn.iter().flat_map(|drawn| &drawn.followed) {
+            digester.add(index).add(&followed.joints);
         }
     }
 }

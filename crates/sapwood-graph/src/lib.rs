@@ -17,10 +17,12 @@ mod light;
 mod material;
 mod parts;
 mod pieces;
+mod rig;
 mod solids;
 mod supply;
 mod traversals;
 mod walk;
+mod wind;
 
 pub use camera::{Camera, Lens};
 pub use facing::{Eye, Facing};
@@ -34,19 +36,21 @@ pub use light::{Light, LightShape};
 pub use material::{Alpha, Material, MaterialImages};
 pub use parts::{Part, Parts};
 pub use pieces::Pieced;
+pub use rig::{Joint, Levels, Rig, Swing};
 pub use solids::Solids;
 pub use supply::{
     Diagnostic, EnvId, Interrupted, PlanRef, Provide, SiteId, Supplied, Supply, Want,
 };
 pub use traversals::{
-    AlongRay, Beyond, Body, CameraRow, CountMemo, Counts, DrawList, DrawRow, Fate, Finding, Hit,
-    LabelRow, LightRow, LineRow, Merge, Occurrence, PickOptions, PickedPart, PickedSides,
-    PiecesReport, Prune, PruneHandlers, Pruning, Report, Severity, Standing, Struck, TooManyRows,
-    TooManyTriangles, WeldPieces, count, diagnostics, draw_list, dump, fragment_bound, outline,
-    pick, pick_compiled, prune, prune_compiled, prune_interest, verify,
+    AlongRay, Beyond, Body, CameraRow, CountMemo, Counts, DrawList, DrawRow, Fate, Finding,
+    Follows, Hit, LabelRow, LightRow, LineRow, Merge, Moved, Occurrence, PickOptions, PickedPart,
+    PickedSides, PiecesReport, Poses, Prune, PruneHandlers, Pruning, Report, Severity, Standing,
+    Struck, TooManyRows, TooManyTriangles, WeldPieces, count, diagnostics, draw_list, dump,
+    fragment_bound, outline, pick, pick_compiled, prune, prune_compiled, prune_interest, verify,
 };
 #[cfg(feature = "union")]
 pub use traversals::{WeldReport, WeldUnion, WeldedUnion};
 pub use walk::{
     Approach, At, Everything, Inside, Interest, Order, Path, Under, discover, traverse, walk,
 };
+pub use wind::Wind;

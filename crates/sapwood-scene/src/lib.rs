@@ -47,7 +47,7 @@ pub use semantic::{Children, Component, EditError, Handle, NodeId, Question};
 pub use slots::{
     Cell, ChildPath, Choice, DistanceBand, EnvelopeSlot, Held, MaterialSlot, Moving, Placement,
     Projection, PushMode, Rate, SideOfBox, Slot, SlotReader, Style, StyleSlot, SwitchedOn, Time,
-    Viewer, Viewpoint,
+    Viewer, Viewpoint, WindSlot,
 };
 pub use view::ViewId;
 pub use view_error::ViewError;

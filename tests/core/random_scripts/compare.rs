@@ -208,6 +208,7 @@ fn found(world: Affine3, node: RenderNode<'_>) -> Option<Found> {
         | RenderNode::Live(_)
         | RenderNode::Facing(_)
         | RenderNode::Fading(_)
+        | RenderNode::Swaying(_)
         | RenderNode::Instances { .. }
         | RenderNode::Deferred(_) => None,
     }

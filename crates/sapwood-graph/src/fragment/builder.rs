@@ -6,8 +6,8 @@ use sapwood_geom::glam::{Affine3, Vec3};
 use sapwood_geom::{Bound, Polyline, Shared, SharedMesh};
 use smallvec::SmallVec;
 
-use super::{Code, Drawn, Fragment, Instanced, Packed, RenderNode, Shown, StoredRun};
-use crate::{Camera, Facing, Fading, Kind, Label, Light, Material};
+use super::{Code, Drawn, Followed, Fragment, Instanced, Packed, RenderNode, Shown, StoredRun};
+use crate::{Camera, Facing, Fading, Kind, Label, Light, Material, Rig};
 
 /// Builds a [`Fragment`] node by node; whoever opens a node closes it.
 pub struct FragmentBuilder {
@@ -57,6 +57,13 @@ impl FragmentBuilder {
     pub fn open_fading(&mut self, fading: Fading) {
         let i = number_of(&mut self.drawn().fadings, fading);
         self.open(Code::Fading(i));
+    }
+
+    /// Opens a node under which meshes and instances may sway: those of this fragment, up to the
+    /// matching [`close`](Self::close), that [follow](Self::follows) joints of the rig.
+    pub fn open_swaying(&mut self, rig: Shared<Rig>) {
+        let i = number_of(&mut self.drawn().rigs, rig);
+        self.open(Code::Swaying(i));
     }
 
     /// How much larger instances may be drawn where the next node stands.
@@ -145,6 +152,46 @@ impl FragmentBuilder {
             "parts are told right after the mesh or the lines that show them"
         );
         self.drawn().shown.push((index, shown));
+    }
+
+    /// Tells for each vertex of the mesh that was added last, or for each of the instances, which
+    /// joint it follows, of the rig of the swaying node that was opened last. Costs one pass over
+    /// them, for their bound.
+    ///
+    /// # Panics
+    /// When that node draws neither a mesh nor instances, stands under no swaying node, follows
+    /// something already, or has another number of vertices or instances; or where there is no such
+    /// joint.
+    pub fn follows(&mut self, joints: Shared<Vec<u32>>) {
+        let index = self.fragment.len() - 1;
+        let is_new = self.drawn().followed.last().is_none_or(|(told, _)| *told < index);
+        assert!(is_new, "joints are told once");
+        let rig = self.open.iter().rev().find_map(|open| match self.fragment.node(*open) {
+            RenderNode::Swaying(rig) => Some(rig),
+            _ => None,
+        });
+        let rig = rig.expect("joints are those of a swaying node");
+        let n_joints = rig.joints.len();
+        assert!(joints.iter().all(|joint| (*joint as usize) < n_joints), "there is no such joint");
+        let told = "joints are told right after the mesh or the instances that follow them";
+        let bound = match self.fragment.node(index) {
+            RenderNode::Mesh { mesh, .. } => {
+                assert_eq!(mesh.n_vertices(), joints.len(), "{told}");
+                let points = joints.iter().zip(&mesh.positions);
+                rig.bound_of(points.map(|(joint, point)| (*joint, *point, 0.0)))
+            }
+            RenderNode::Instances { transforms, .. } => {
+                assert_eq!(transforms.len(), joints.len(), "{told}");
+                let of_each = self.fragment.instanced_bound(index).unwrap_or(Bound::EMPTY).sphere;
+                let balls = joints.iter().zip(transforms.iter()).map(|(joint, place)| {
+                    let sphere = of_each.transformed(place);
+                    (*joint, sphere.center, sphere.radius)
+                });
+                rig.bound_of(balls.filter(|(_, _, radius)| *radius >= 0.0))
+            }
+            _ => panic!("{told}"),
+        };
+        self.drawn().followed.push((index, Followed { joints, bound }));
     }
 
     /// Adds a light.

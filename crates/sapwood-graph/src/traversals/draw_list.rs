@@ -4,7 +4,8 @@
 //! *occurrence* puts a body somewhere. What is shared in the scene is one body with several
 //! occurrences. What turns to the eye is a body of its own, for it is turned differently at each
 //! place; what fades with the distance has a body for each set of limits that some place gives it.
-//! The list is built anew each time.
+//! The list is built anew each time. What sways stands at rest in it, with a rig that tells how it
+//! moves; moving it is the business of `poses`.
 
 mod look;
 
@@ -15,7 +16,8 @@ use std::sync::Arc;
 use sapwood_geom::glam::Affine3;
 use sapwood_geom::{Digest, FixedMap, Mesh, Polyline, Shared, SharedMesh, fixed_state};
 
-use crate::{Camera, DrawRange, EnvId, Fading, Kind, Label, Light, Material, SiteId, Supply};
+pub use super::rigged::Follows;
+use crate::{Camera, DrawRange, EnvId, Fading, Kind, Label, Light, Material, Rig, SiteId, Supply};
 use look::{Limits, Look};
 
 /// Everything that a view draws.
@@ -43,18 +45,21 @@ pub struct Body {
     pub cameras: Vec<CameraRow>,
     /// Lines of text, in pre-order.
     pub labels: Vec<LabelRow>,
+    /// How what sways does so, in the body's frame; nothing where nothing does.
+    pub rig: Option<Arc<Rig>>,
 }
 
 impl Body {
     /// A body that draws nothing yet.
     pub fn new(kind: Kind) -> Self {
         let (rows, lines, lights) = (Vec::new(), Vec::new(), Vec::new());
-        Self { kind, rows, lines, lights, cameras: Vec::new(), labels: Vec::new() }
+        let (cameras, labels) = (Vec::new(), Vec::new());
+        Self { kind, rows, lines, lights, cameras, labels, rig: None }
     }
 
     /// Rows of all sorts together.
     fn n_rows(&self) -> usize {
-        let Self { kind: _, rows, lines, lights, cameras, labels } = self;
+        let Self { kind: _, rows, lines, lights, cameras, labels, rig: _ } = self;
         rows.len() + lines.len() + lights.len() + cameras.len() + labels.len()
     }
 }
@@ -82,6 +87,9 @@ pub struct DrawRow {
     /// Which of the instances are drawn, or which triangles of a single mesh; nothing for all.
     /// [`DrawList::as_drawn`] is for whoever cannot draw by parts.
     pub range: Option<DrawRange>,
+    /// Which joints of the body's rig the mesh's vertices follow, or its instances; nothing where
+    /// the row does not sway.
+    pub follows: Option<Follows>,
 }
 
 impl DrawRow {
@@ -195,7 +203,8 @@ impl DrawList {
     }
 
     /// The list with other meshes: `change` is asked once for each distinct mesh. What becomes
-    /// empty is no longer drawn, and neither is what a range left out; all else stays as it is.
+    /// empty is no longer drawn, and neither is what a range left out; single meshes no longer
+    /// sway. All else stays as it is.
     pub fn with_meshes(&self, mut change: impl FnMut(&Mesh) -> Mesh) -> Self {
         let mut changed: FixedMap<Digest, SharedMesh> = FixedMap::with_hasher(fixed_state());
         let Self { mut bodies, occurrences } = self.as_drawn().into_owned();
@@ -204,6 +213,7 @@ impl DrawList {
                 .entry(Digest::of(&row.mesh))
                 .or_insert_with(|| SharedMesh::new(change(&row.mesh)));
             row.mesh = mesh.clone();
+            row.follows.take_if(|_| row.instances.is_none());
         }
         for body in &mut bodies {
             body.rows.retain(|row| !row.mesh.is_empty());
@@ -225,9 +235,17 @@ impl DrawList {
         for body in &mut bodies {
             for row in &mut body.rows {
                 let Some(range) = row.range.take() else { continue };
+                let follows = row.follows.as_ref();
                 match &mut row.instances {
-                    Some(instances) => *instances = Shared::new(range.of(instances).to_vec()),
-                    None => row.mesh = SharedMesh::new(row.mesh.part(range.numbers())),
+                    Some(instances) => {
+                        row.follows = follows.map(|follows| follows.of_instances(range));
+                        *instances = Shared::new(range.of(instances).to_vec());
+                    }
+                    None => {
+                        let indices = &row.mesh.indices;
+                        row.follows = follows.map(|follows| follows.of_triangles(indices, range));
+                        row.mesh = SharedMesh::new(row.mesh.part(range.numbers()));
+                    }
                 }
             }
             for row in &mut body.lines {

@@ -75,7 +75,7 @@ impl DrawList {
         let mut body = Body::new(Kind::of::<Merged>());
         let mut merging = Merging::new();
         for Occurrence { body: number, world } in &self.occurrences {
-            let Body { kind: _, rows, lines, lights, cameras, labels } =
+            let Body { kind: _, rows, lines, lights, cameras, labels, rig: _ } =
                 &self.bodies[*number as usize];
             for row in rows {
                 merging.add(row, &(*world * row.local));
@@ -151,6 +151,7 @@ impl Merging {
                 material: Arc::clone(&material),
                 instances: None,
                 range: None,
+                follows: None,
             })
         });
         rows.filter(|row| !row.mesh.is_empty()).collect()
@@ -176,7 +177,7 @@ mod tests {
     fn row(name: &str, local: Affine3, instances: Option<Vec<Affine3>>) -> DrawRow {
         let material = Arc::new(Material::matte(name, 0.5, 0.5, 0.5));
         let instances = instances.map(Shared::new);
-        DrawRow { local, mesh: triangle(), material, instances, range: None }
+        DrawRow { local, mesh: triangle(), material, instances, range: None, follows: None }
     }
 
     /// Two occurrences of a body of two materials, one of them mirrored; five triangles each.

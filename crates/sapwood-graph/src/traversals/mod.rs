@@ -8,7 +8,9 @@ mod dump;
 mod merge;
 mod outline;
 mod pick;
+mod poses;
 mod prune;
+mod rigged;
 #[cfg(feature = "simplify")]
 mod simplify;
 mod smooth;
@@ -21,13 +23,14 @@ pub use bounds::fragment_bound;
 pub use count::{CountMemo, Counts, count};
 pub use diagnostics::diagnostics;
 pub use draw_list::{
-    Body, CameraRow, DrawList, DrawRow, LabelRow, LightRow, LineRow, Occurrence, TooManyRows,
-    draw_list,
+    Body, CameraRow, DrawList, DrawRow, Follows, LabelRow, LightRow, LineRow, Occurrence,
+    TooManyRows, draw_list,
 };
 pub use dump::dump;
 pub use merge::{Merge, TooManyTriangles};
 pub use outline::outline;
 pub use pick::{AlongRay, Hit, PickOptions, PickedPart, PickedSides, Struck, pick, pick_compiled};
+pub use poses::{Moved, Poses};
 pub use prune::{
     Beyond, Fate, Prune, PruneHandlers, Pruning, Standing, prune, prune_compiled, prune_interest,
 };

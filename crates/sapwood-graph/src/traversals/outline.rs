@@ -121,7 +121,7 @@ impl Entry {
             self.errors.extend(plan.error.map(told));
         }
         match at.node() {
-            RenderNode::Group | RenderNode::Fading(_) => {}
+            RenderNode::Group | RenderNode::Fading(_) | RenderNode::Swaying(_) => {}
             // How emitted components lie to each other is nobody's business.
             RenderNode::Transform(place) if plan.authored => self.how.extend(placing(place)),
             RenderNode::Transform(_) => {}

@@ -174,6 +174,7 @@ impl WeldUnion {
                 material,
                 instances: None,
                 range: None,
+                follows: None,
             })
             .collect();
         let mut bodies: Vec<Body> = list.bodies.clone();

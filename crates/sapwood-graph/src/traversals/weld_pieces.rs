@@ -109,7 +109,7 @@ impl WeldPieces {
             mesh
         };
         let mut row = |row: &DrawRow| match met.by_mesh.get(&Digest::of(&row.mesh)) {
-            Some(pieces) => DrawRow { mesh: weld(pieces), ..row.clone() },
+            Some(pieces) => DrawRow { mesh: weld(pieces), follows: None, ..row.clone() },
             None => row.clone(),
         };
         let mut body =

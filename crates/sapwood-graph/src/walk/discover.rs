@@ -161,6 +161,7 @@ impl<S: Clone> Pass<S> {
                 }
                 RenderNode::Group
                 | RenderNode::Fading(_)
+                | RenderNode::Swaying(_)
                 | RenderNode::Mesh { .. }
                 | RenderNode::Instances { .. }
                 | RenderNode::Lines(_)

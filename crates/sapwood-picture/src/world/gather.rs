@@ -128,7 +128,10 @@ impl<'a> Gather<'a> {
             }
             fading.go_on_to(index);
             let place = match plan.fragment.node(index) {
-                RenderNode::Group | RenderNode::Camera(_) | RenderNode::Label(_) => continue,
+                RenderNode::Group
+                | RenderNode::Swaying(_)
+                | RenderNode::Camera(_)
+                | RenderNode::Label(_) => continue,
                 RenderNode::Transform(transform) => *transform,
                 RenderNode::Live(live) => plan.live[live as usize],
                 RenderNode::Facing(facing) => {
@@ -210,6 +213,7 @@ impl<'a> Gather<'a> {
             | RenderNode::Live(_)
             | RenderNode::Facing(_)
             | RenderNode::Fading(_)
+            | RenderNode::Swaying(_)
             | RenderNode::Camera(_)
             | RenderNode::Label(_)
             | RenderNode::Deferred(_) => return,

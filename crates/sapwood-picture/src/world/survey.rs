@@ -83,6 +83,7 @@ impl Survey {
                         depends_on_place = true;
                     }
                     RenderNode::Group
+                    | RenderNode::Swaying(_)
                     | RenderNode::Transform(_)
                     | RenderNode::Live(_)
                     | RenderNode::Camera(_)

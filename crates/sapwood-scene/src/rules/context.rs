@@ -11,7 +11,7 @@ use sapwood_geom::glam::Affine3;
 use sapwood_geom::{Bound, Digest, Polyline, Shared, SharedMesh};
 use sapwood_graph::{
     Camera, Diagnostic, Facing, Fading, Fragment, FragmentBuilder, Interrupted, Kind, Label, Light,
-    Material, Part, Parts, Shown,
+    Material, Part, Parts, Rig, Shown,
 };
 use smallvec::SmallVec;
 
@@ -343,6 +343,24 @@ impl<'a> Context<'a> {
         self.fragment.open_fading(fading);
         inside(self);
         self.fragment.close();
+    }
+
+    /// Has meshes and instances that `inside` draws sway with joints of a rig: those that
+    /// [follow](Self::follows) some. What it emits is not concerned.
+    pub fn swaying(&mut self, rig: Shared<Rig>, inside: impl FnOnce(&mut Self)) {
+        self.fragment.open_swaying(rig);
+        inside(self);
+        self.fragment.close();
+    }
+
+    /// Tells for each vertex of the mesh added last, or for each of the instances, which joint it
+    /// follows, of the rig that it [sways](Self::swaying) by. Bounds grow to hold it in any wind.
+    ///
+    /// # Panics
+    /// Where nothing of the kind was added last, numbers differ, or there is no such joint; the
+    /// component becomes an error then.
+    pub fn follows(&mut self, joints: Shared<Vec<u32>>) {
+        self.fragment.follows(joints);
     }
 
     /// Sets a slot for whatever `inside` adds.

@@ -3,15 +3,16 @@
 use sapwood_geom::{Bound, Ray};
 use sapwood_graph::{
     AlongRay, At, Counts, Diagnostic, DrawList, Everything, Finding, Hit, Interest, Interrupted,
-    Order, PickOptions, Provide, Prune, PruneHandlers, Report, Severity, Supply, count,
-    diagnostics, discover, draw_list, dump, outline, pick_compiled, prune_compiled, prune_interest,
+    Moved, Order, PickOptions, Poses, Provide, Prune, PruneHandlers, Report, Severity, Supply,
+    count, diagnostics, discover, draw_list, dump, outline, pick_compiled, prune_compiled, prune_interest,
     verify, walk,
 };
 
 use super::Scene;
 use crate::built_in::kinds_of_attributes;
 use crate::compile::{Cache, Pull};
-use crate::{ViewError, ViewId};
+use crate::rules::VisitContext;
+use crate::{Time, ViewError, ViewId, Viewer, WindSlot};
 
 /// How often a traversal begins again after room was made for it.
 const MOST_ATTEMPTS: usize = 64;
@@ -125,6 +126,20 @@ impl Scene {
     /// When the view is closed, compiling was interrupted, or there are more rows.
     pub fn draw_list(&mut self, view: ViewId, max_rows: usize) -> Result<DrawList, ViewError> {
         Ok(self.complete(view, |pull| draw_list(&*pull, max_rows))??)
+    }
+
+    /// Moves the poses of a list that the view draws to its [`Time`], in its wind ([`WindSlot`]), as
+    /// far as its [`Viewer`] can see it. Compiles nothing and looks at no component: the list is as
+    /// it was made.
+    ///
+    /// # Errors
+    /// When the view is closed.
+    pub fn sway(&self, view: ViewId, poses: &mut Poses) -> Result<Moved, ViewError> {
+        let row = self.views.get(view.number).filter(|row| row.generation == view.generation);
+        let row = row.ok_or(ViewError::Closed)?;
+        let cx = VisitContext { moving: &row.moving, defaults: &row.moving_defaults };
+        let (wind, time) = (*cx.read::<WindSlot>(), *cx.read::<Time>());
+        Ok(poses.update(wind, time, cx.read::<Viewer>().as_ref().as_ref()))
     }
 
     /// What a view draws inside of an envelope, in at most `max_rows` rows; `handlers` know how

@@ -148,7 +148,8 @@ impl Scene {
         Ok(())
     }
 
-    /// Sets a moving slot of a view; runs no `init`.
+    /// Sets a moving slot of a view; runs no `init`, and allocates nothing where the slot was set
+    /// before.
     ///
     /// # Errors
     /// When the view is closed.
@@ -158,7 +159,13 @@ impl Scene {
         value: S::Value,
     ) -> Result<(), ViewError> {
         let view = self.view_mut(view)?;
-        view.moving.insert(SlotKey::of::<S>().type_id(), SlotValue::new::<S>(value));
+        match view.moving.get_mut(&SlotKey::of::<S>().type_id()) {
+            Some(held) => held.set::<S>(value),
+            None => {
+                let value = SlotValue::new::<S>(value);
+                view.moving.insert(SlotKey::of::<S>().type_id(), value);
+            }
+        }
         view.tick += 1;
         Ok(())
     }

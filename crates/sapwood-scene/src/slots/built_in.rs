@@ -4,7 +4,7 @@
 
 use sapwood_geom::glam::{Affine3, Vec3};
 use sapwood_geom::{Content, Digester, Envelope, StreamPath};
-use sapwood_graph::{Eye, Material};
+use sapwood_graph::{Eye, Material, Wind};
 
 use super::{Held, Moving, Slot};
 
@@ -166,6 +166,20 @@ impl Slot for Time {
 
     fn default() -> f64 {
         0.0
+    }
+}
+
+/// The wind that the view shows: what sways does so by it, as [`Time`] goes by. None blows by default.
+#[derive(Debug)]
+pub enum WindSlot {}
+
+impl Slot for WindSlot {
+    type Value = Wind;
+    type Rate = Moving;
+    const NAME: &'static str = "wind";
+
+    fn default() -> Wind {
+        Wind::default()
     }
 }
 

@@ -10,7 +10,7 @@ mod slot;
 
 pub use built_in::{
     ChildPath, Choice, EnvelopeSlot, MaterialSlot, Placement, Style, StyleSlot, SwitchedOn, Time,
-    Viewer, Viewpoint,
+    Viewer, Viewpoint, WindSlot,
 };
 pub(crate) use environment::{Environments, ForcedSlots, LinkFacts, LinkPushes, Pushed};
 pub use places::{Cell, DistanceBand, SideOfBox};

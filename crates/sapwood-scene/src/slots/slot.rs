@@ -86,6 +86,18 @@ impl SlotValue {
         Self { digest: Digest::of(&value), value: Arc::new(value) }
     }
 
+    /// Takes another value of the same slot; allocates nothing where nobody else holds the one
+    /// before.
+    pub(crate) fn set<S: Slot>(&mut self, value: S::Value) {
+        match Arc::get_mut(&mut self.value).and_then(|held| held.downcast_mut::<S::Value>()) {
+            Some(held) => {
+                self.digest = Digest::of(&value);
+                *held = value;
+            }
+            None => *self = Self::new::<S>(value),
+        }
+    }
+
     /// A digest that stands for the value, which nobody asks for.
     pub(crate) fn standing_for(digest: Digest) -> Self {
         Self { digest, value: Arc::new(()) }

@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use sapwood_geom::glam::{Affine3, Vec3};
-use sapwood_geom::{Mesh, SharedMesh};
+use sapwood_geom::{Mesh, Shared, SharedMesh};
 
 use super::{Body, Builder, CameraRow, DrawRow, LabelRow, LightRow, LineRow, Top};
-use crate::{DrawRange, Facing, Fading, RenderNode, Supplied, Supply};
+use crate::traversals::rigged::Rigging;
+use crate::{DrawRange, Facing, Fading, Rig, RenderNode, Supplied, Supply};
 
 /// What is drawn from a top on, and the tops right below it.
 pub(super) struct Look {
@@ -46,6 +47,15 @@ impl FadesAt {
             Self::Above => *above,
         }
     }
+}
+
+/// What stands above a node in its plan.
+#[derive(Clone, Copy, Default)]
+struct Above<'a> {
+    /// The lowest fading node, and where its distance is measured.
+    fading: Option<(&'a Fading, FadesAt)>,
+    /// The lowest rig, and from its frame to the body's.
+    rig: Option<(&'a Shared<Rig>, Affine3)>,
 }
 
 struct FadingBody {
@@ -130,17 +140,23 @@ impl<'a> Builder<'a> {
         let mut body = Body::new(self.supply.plan(top.site).kind);
         let mut below = Vec::new();
         let mut fading_rows = Vec::new();
-        let above = self.fading_above.get(&top).map(|fading| (*fading, FadesAt::Above));
+        let mut rigging: Option<Rigging> = None;
+        let fading = self.fading_above.get(&top).map(|fading| (*fading, FadesAt::Above));
+        let above = Above { fading, rig: None };
         let mut stack = vec![(top.site, top.node, Affine3::IDENTITY, above)];
-        while let Some((site, index, local, fading)) = stack.pop() {
+        while let Some((site, index, local, above)) = stack.pop() {
             let plan = self.supply.plan(site);
             let first = stack.len();
-            let mut inside_of = |local: Affine3, fading: Option<(&'a Fading, FadesAt)>| {
+            let mut inside_of = |local: Affine3, above: Above<'a>| {
                 let children = plan.fragment.children(index);
-                stack.extend(children.map(|child| (site, child, local, fading)));
+                stack.extend(children.map(|child| (site, child, local, above)));
             };
-            let mut inside = |local: Affine3| inside_of(local, fading);
-            if let (Some((fading, at)), Some(n)) = (fading, plan.fragment.n_drawn(index)) {
+            let mut inside = |local: Affine3| inside_of(local, above);
+            let follows = above.rig.zip(plan.fragment.followed(index));
+            let follows = follows.map(|((rig, local), numbers)| {
+                rigging.get_or_insert_with(Rigging::new).follows(numbers, rig, &local)
+            });
+            if let (Some((fading, at)), Some(n)) = (above.fading, plan.fragment.n_drawn(index)) {
                 let is_lines = matches!(plan.fragment.node(index), RenderNode::Lines(_));
                 let number = if is_lines { body.lines.len() } else { body.rows.len() };
                 let (n, fading) = (n as u32, fading.clone());
@@ -155,15 +171,19 @@ impl<'a> Builder<'a> {
                     if here == top {
                         inside(local);
                     } else {
-                        if let Some((fading, _)) = fading {
+                        if let Some((fading, _)) = above.fading {
                             self.fading_above.insert(here, fading);
                         }
-                        let (facing, fades_at) = (Some(*facing), fading.map(|(_, at)| at));
+                        let (facing, fades_at) = (Some(*facing), above.fading.map(|(_, at)| at));
                         below.push(Below { top: here, local, facing, fades_at });
                     }
                 }
                 RenderNode::Fading(fading) => {
-                    inside_of(local, Some((fading, FadesAt::Here(local))))
+                    let fading = Some((fading, FadesAt::Here(local)));
+                    inside_of(local, Above { fading, ..above });
+                }
+                RenderNode::Swaying(rig) => {
+                    inside_of(local, Above { rig: Some((rig, local)), ..above });
                 }
                 RenderNode::Mesh { mesh, material } => body.rows.push(DrawRow {
                     local,
@@ -171,6 +191,7 @@ impl<'a> Builder<'a> {
                     material: Arc::clone(material),
                     instances: None,
                     range: None,
+                    follows,
                 }),
                 RenderNode::Instances { mesh, material, transforms } => body.rows.push(DrawRow {
                     local,
@@ -178,6 +199,7 @@ impl<'a> Builder<'a> {
                     material: Arc::clone(material),
                     instances: Some(transforms.clone()),
                     range: None,
+                    follows,
                 }),
                 RenderNode::Lines(lines) => {
                     body.lines.push(LineRow { local, lines: lines.clone(), range: None });
@@ -201,13 +223,14 @@ impl<'a> Builder<'a> {
                             let top = Top { site: child, node: 0 };
                             below.push(Below { top, local, facing: None, fades_at: None });
                         } else {
-                            stack.push((child, 0, local, None));
+                            stack.push((child, 0, local, Above::default()));
                         }
                     }
                 }
             }
             stack[first..].reverse();
         }
+        body.rig = rigging.map(Rigging::finish);
         let look = if fading_rows.is_empty() {
             let body = self.list.add(body);
             Look { body, fading: None, below, draws: body.is_some() }

@@ -158,7 +158,10 @@ impl<'a> Search<'a> {
             }
             fading.go_on_to(index);
             let place = match plan.fragment.node(index) {
-                RenderNode::Group | RenderNode::Light(_) | RenderNode::Camera(_) => continue,
+                RenderNode::Group
+                | RenderNode::Swaying(_)
+                | RenderNode::Light(_)
+                | RenderNode::Camera(_) => continue,
                 RenderNode::Transform(transform) => *transform,
                 RenderNode::Live(live) => plan.live[live as usize],
                 RenderNode::Facing(facing) => facing.turn(&here, self.supply.eye()),
@@ -258,6 +261,7 @@ impl<'a> Search<'a> {
             | RenderNode::Live(_)
             | RenderNode::Facing(_)
             | RenderNode::Fading(_)
+            | RenderNode::Swaying(_)
             | RenderNode::Light(_)
             | RenderNode::Camera(_)
             | RenderNode::Deferred(_) => None,
@@ -426,6 +430,7 @@ impl Search<'_> {
                 | RenderNode::Live(_)
                 | RenderNode::Facing(_)
                 | RenderNode::Fading(_)
+                | RenderNode::Swaying(_)
                 | RenderNode::Lines(_)
                 | RenderNode::Light(_)
                 | RenderNode::Camera(_)

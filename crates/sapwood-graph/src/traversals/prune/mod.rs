@@ -250,14 +250,16 @@ fn draw(
             let Some(mesh) = of_mesh(pruning, at, mesh) else { return Ok(()) };
             let material = Arc::clone(material);
             drawing.add(at, |body| {
-                body.rows.push(DrawRow { local, mesh, material, instances: None, range: None });
+                let (instances, range, follows) = (None, None, None);
+                body.rows.push(DrawRow { local, mesh, material, instances, range, follows });
             })
         }
         RenderNode::Instances { mesh, material, transforms } => {
             for (mesh, instances) in of_instances(pruning, at, mesh, transforms) {
                 let material: Arc<Material> = Arc::clone(material);
                 drawing.add(at, |body| {
-                    body.rows.push(DrawRow { local, mesh, material, instances, range: None });
+                    let (range, follows) = (None, None);
+                    body.rows.push(DrawRow { local, mesh, material, instances, range, follows });
                 })?;
             }
             Ok(())
@@ -286,6 +288,7 @@ fn draw(
         | RenderNode::Live(_)
         | RenderNode::Facing(_)
         | RenderNode::Fading(_)
+        | RenderNode::Swaying(_)
         | RenderNode::Deferred(_) => Ok(()),
     }
 }

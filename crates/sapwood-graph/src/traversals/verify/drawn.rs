@@ -17,6 +17,7 @@ impl Verifier<'_> {
                     self.look_at_transform(kind, &format!("transform {index}"), transform);
                 }
                 RenderNode::Facing(Facing::Eye) => {}
+                RenderNode::Swaying(rig) => self.tell_fault(kind, "rig", rig.fault()),
                 RenderNode::Fading(fading) => {
                     let mut below = index + 1;
                     while below < plan.fragment.after(index) {

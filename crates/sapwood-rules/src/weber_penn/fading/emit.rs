@@ -90,6 +90,7 @@ impl Emitting<'_> {
             | RenderNode::Transform(_)
             | RenderNode::Live(_)
             | RenderNode::Facing(_)
+            | RenderNode::Swaying(_)
             | RenderNode::Deferred(_) => {}
             RenderNode::Fading(fading) => {
                 let range = Fading::range(&local, self.eye);
@@ -103,6 +104,7 @@ impl Emitting<'_> {
                     material: material.clone(),
                     instances: None,
                     range: self.limit(number, mesh.n_triangles()),
+                    follows: None,
                 };
                 let stems = self.stems.get(&at.path().number_above());
                 match stems.filter(|_| fades && shows == Some(Kind::of::<Stem>())) {
@@ -123,6 +125,7 @@ impl Emitting<'_> {
                     material: material.clone(),
                     instances: Some(transforms.clone()),
                     range: self.limit(number, transforms.len()),
+                    follows: None,
                 };
                 if fades && shows == Some(Kind::of::<Leaf>()) {
                     self.add_leaves(&row, transforms, range);
