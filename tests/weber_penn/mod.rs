@@ -19,4 +19,5 @@ mod threads;
 mod trees;
 mod views;
 mod welding;
+mod wind;
 mod wood;

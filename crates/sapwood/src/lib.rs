@@ -35,6 +35,12 @@ pub fn fading_rules() -> scene::RuleSet {
     rules::weber_penn::fading().over(&images::rules()).over(&scene::built_in_rules())
 }
 
+/// The rule set by which trees sway in the wind of their view; at rest everything is as under
+/// [`standard_rules`].
+pub fn swaying_rules() -> scene::RuleSet {
+    rules::weber_penn::swaying().over(&standard_rules())
+}
+
 /// The rule set that draws trees as on a map, flat on the ground with their crowns' outlines, names
 /// and heights, and everything else as it is, for [`svg_map`](io::svg_map).
 pub fn map_rules() -> scene::RuleSet {

@@ -19,6 +19,7 @@ mod rules;
 mod slots;
 mod species;
 mod survey;
+mod sway;
 #[cfg(test)]
 mod tests;
 
@@ -37,14 +38,15 @@ pub use growth::{
 pub use look::{BarkLook, LeafLook};
 pub use params::{Crown, LeafParams, Level, Pruning, TrunkForm};
 pub use prune::prune_handlers;
-pub use rules::{fading, full, map, segments, skeleton, text};
+pub use rules::{fading, full, map, segments, skeleton, swaying, text};
 pub use slots::{
     BarkLookSlot, BarkSlot, CrownSlot, DetailSlot, FadingSlot, FoliageSlot, IsPrunedSlot,
-    LeafLookSlot, LeafTargetSlot, LeavesSlot, LevelSlot, PruneRatioSlot, SpeciesNameSlot,
-    StemTargetSlot, TrunkFormSlot,
+    LeafLookSlot, LeafTargetSlot, LeavesSlot, LevelSlot, PruneRatioSlot, RigSlot, SpeciesNameSlot,
+    StemTargetSlot, SwaySlot, TrunkFormSlot,
 };
 pub use species::{
     Accepted, BarkSpec, CrownShape, Dialect, Fault, Key, LeafShape, LeafTarget, LeavesSpec,
     LevelSpec, Origin, PruningSpec, Species, Target, TreeGenExt, TrunkSpec, Value, Variation,
     WrittenEnvelope, key, keys,
 };
+pub use sway::{Riding, SwayParams};

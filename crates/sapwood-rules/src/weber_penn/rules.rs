@@ -2,7 +2,8 @@
 //!
 //! [`full`] makes surfaces and leaves. Over it lie, from the same stems, [`skeleton`], which draws lines
 //! instead, [`segments`], which draws each segment by itself, [`fading`], which draws less of
-//! everything from afar, and [`map`] and [`text`], which tell of trees as a whole.
+//! everything from afar, [`swaying`], which has what these two draw sway in the wind, and [`map`] and
+//! [`text`], which tell of trees as a whole.
 
 mod fading;
 mod geometry;
@@ -12,6 +13,7 @@ mod segments;
 mod skeleton;
 mod structure;
 mod survey;
+mod swaying;
 mod text;
 
 use sapwood_scene::RuleSet;
@@ -48,6 +50,18 @@ pub fn segments() -> RuleSet {
 /// [`full`]. Polygons give way to lines, which have no material, and those of leaves to triangles.
 pub fn fading() -> RuleSet {
     RuleSet::new().with(fading::FadingSurfaceRule).with(fading::FadingLeavesRule).over(&full())
+}
+
+/// A layer over [`full`] or [`fading`] by which trees sway in the view's wind
+/// ([`WindSlot`](sapwood_scene::WindSlot)) as time goes by, as [`SwaySlot`](super::SwaySlot) says:
+/// what is drawn stands at rest, with joints that [`Poses`](sapwood_graph::Poses) move. Lines do not
+/// sway.
+pub fn swaying() -> RuleSet {
+    RuleSet::new()
+        .with(swaying::SwayingTreeRule)
+        .with(swaying::SwayingBranchRule)
+        .with(swaying::SwayingChildrenRule)
+        .with(swaying::SwayingTwigsRule)
 }
 
 /// What [`map`] and [`text`] have in common.

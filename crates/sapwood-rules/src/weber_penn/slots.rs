@@ -7,8 +7,8 @@ use sapwood_graph::Material;
 use sapwood_scene::{Attribute, Held, Slot};
 
 use super::{
-    BarkLook, Crown, Detail, FadingParams, LeafLook, LeafParams, LeafTarget, Level, Species,
-    Target, TrunkForm,
+    BarkLook, Crown, Detail, FadingParams, LeafLook, LeafParams, LeafTarget, Level, Riding,
+    Species, SwayParams, Target, TrunkForm,
 };
 
 macro_rules! slot {
@@ -52,6 +52,15 @@ slot! {
 slot! {
     /// How trees fade under the rules that have them do so.
     FadingSlot: FadingParams = "weber_penn.fading", FadingParams::default()
+}
+slot! {
+    /// How trees sway under the rules that have them do so.
+    SwaySlot: SwayParams = "weber_penn.sway", SwayParams::default()
+}
+slot! {
+    /// What stems, and what draws them, hang on; set by the rules of trees that sway, for what they
+    /// emit.
+    RigSlot: Option<Riding> = "weber_penn.rig", None
 }
 slot! {
     /// The bark of the species, of which the rules make the material of stems.

@@ -4,8 +4,8 @@ use sapwood_geom::{Bound, Ray};
 use sapwood_graph::{
     AlongRay, At, Counts, Diagnostic, DrawList, Everything, Finding, Hit, Interest, Interrupted,
     Moved, Order, PickOptions, Poses, Provide, Prune, PruneHandlers, Report, Severity, Supply,
-    count, diagnostics, discover, draw_list, dump, outline, pick_compiled, prune_compiled, prune_interest,
-    verify, walk,
+    count, diagnostics, discover, draw_list, dump, outline, pick_compiled, prune_compiled,
+    prune_interest, verify, walk,
 };
 
 use super::Scene;

@@ -7,7 +7,7 @@ use sapwood_geom::{Mesh, Shared, SharedMesh};
 
 use super::{Body, Builder, CameraRow, DrawRow, LabelRow, LightRow, LineRow, Top};
 use crate::traversals::rigged::Rigging;
-use crate::{DrawRange, Facing, Fading, Rig, RenderNode, Supplied, Supply};
+use crate::{DrawRange, Facing, Fading, RenderNode, Rig, Supplied, Supply};
 
 /// What is drawn from a top on, and the tops right below it.
 pub(super) struct Look {

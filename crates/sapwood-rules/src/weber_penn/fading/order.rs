@@ -112,7 +112,7 @@ mod tests {
         let Ok(stems) = grow(&seeds, &crown, &level, &Target::Up, &mut |n| free(n));
         let (form, detail) = (TrunkForm::new(&species), Detail::default());
         let Ok(plain) = surface(&stems, &form, &detail, 0.5, free);
-        let Ok((mesh, bands)) = banded_surface(&stems, &form, &detail, 0.5, free);
+        let Ok((mesh, bands)) = banded_surface(&stems, &form, &detail, 0.5, free, None);
         assert_eq!(mesh, plain);
         assert_eq!(bands.last().unwrap().end as usize, mesh.n_triangles());
         assert!(bands.len() > 24, "{}", bands.len());

@@ -10,5 +10,5 @@ pub use closed_stem::closed_stems;
 pub(crate) use leaf_card::half_width;
 pub use leaf_card::leaf_card;
 pub use leaf_shape::leaf_mesh;
-pub(crate) use surface::{Band, banded_surface};
+pub(crate) use surface::{Band, banded_surface, segmented_surface};
 pub use surface::{Detail, segments, surface};

@@ -10,7 +10,7 @@ use std::borrow::Cow;
 
 use glam::Vec3;
 use sapwood_geom::{
-    Around, Cap, Forking, Mesh, Ring, Section, Sweep, SweepOptions, SweepStart, content,
+    Around, Cap, Forking, Mesh, Ring, Section, Sweep, SweepOptions, SweepStart, Written, content,
 };
 
 use self::forks::Forks;
@@ -126,7 +126,23 @@ pub fn surface<E>(
     bark_width: f32,
     charge: impl FnMut(usize) -> Result<(), E>,
 ) -> Result<Mesh, E> {
-    swept(stems, form, detail, bark_width, charge, |_, _| ())
+    segmented_surface(stems, form, detail, bark_width, charge, None)
+}
+
+/// As [`surface`]; `segments` is told the segment that each vertex belongs to: a ring belongs to the
+/// segment that ends with it, as does what is between the two.
+///
+/// # Errors
+/// The first refusal of `charge`.
+pub(crate) fn segmented_surface<E>(
+    stems: &Stems,
+    form: &TrunkForm,
+    detail: &Detail,
+    bark_width: f32,
+    charge: impl FnMut(usize) -> Result<(), E>,
+    segments: Option<&mut Vec<u32>>,
+) -> Result<Mesh, E> {
+    swept(stems, form, detail, bark_width, charge, |_, _| (), segments)
 }
 
 /// A stretch of a stem's tube, between two of its rings.
@@ -141,6 +157,7 @@ pub(crate) struct Band {
 }
 
 /// As [`surface`], with the bands that it consists of, in the order of their triangles.
+/// `segments` is told the segment of each vertex as by [`segmented_surface`].
 ///
 /// # Errors
 /// The first refusal of `charge`.
@@ -150,9 +167,10 @@ pub(crate) fn banded_surface<E>(
     detail: &Detail,
     bark_width: f32,
     charge: impl FnMut(usize) -> Result<(), E>,
+    segments: Option<&mut Vec<u32>>,
 ) -> Result<(Mesh, Vec<Band>), E> {
     let (mut bands, mut end) = (Vec::new(), 0);
-    let mesh = swept(stems, form, detail, bark_width, charge, |stem, tubes| {
+    let laid = |stem: usize, tubes: &Tubes<'_>| {
         let forks = tubes.forks.on_tube();
         let narrow: Vec<_> =
             forks.map(|(row, fork, tube)| (row.ring, fork.n_narrow(tube))).collect();
@@ -160,7 +178,8 @@ pub(crate) fn banded_surface<E>(
             end += n as u32;
             bands.push(Band { stem: stem as u32, end, rings });
         }
-    })?;
+    };
+    let mesh = swept(stems, form, detail, bark_width, charge, laid, segments)?;
     Ok((mesh, bands))
 }
 
@@ -171,6 +190,7 @@ fn swept<E>(
     bark_width: f32,
     mut charge: impl FnMut(usize) -> Result<(), E>,
     mut laid: impl FnMut(usize, &Tubes<'_>),
+    mut segments: Option<&mut Vec<u32>>,
 ) -> Result<Mesh, E> {
     let mut mesh = Mesh::default();
     let mut tubes = Tubes::new(stems, form, detail, bark_width);
@@ -178,7 +198,7 @@ fn swept<E>(
     for index in 0..stems.stems.len() {
         charge(tubes.lay(index))?;
         laid(index, &tubes);
-        tubes.write(&mut mesh);
+        tubes.write(&mut mesh, segments.as_deref_mut());
     }
     Ok(mesh)
 }
@@ -210,6 +230,8 @@ pub(super) struct Tubes<'a> {
     section: usize,
     sweep: Sweep,
     rings: Vec<Ring>,
+    /// For each ring the segment that it belongs to.
+    of_rings: Vec<u32>,
     /// How the tube last laid starts and ends.
     options: SweepOptions,
     /// For each segment of the current stem the number of the ring at its end, if there is one.
@@ -245,6 +267,7 @@ impl<'a> Tubes<'a> {
             section: 0,
             sweep: Sweep::with_room(n_rings),
             rings: Vec::with_capacity(n_rings),
+            of_rings: Vec::with_capacity(n_rings),
             ends: Vec::with_capacity(n_rings),
             options: SweepOptions::default(),
             between: Vec::new(),
@@ -316,8 +339,8 @@ impl<'a> Tubes<'a> {
         (&self.sections[self.section].1, &self.rings, &self.options)
     }
 
-    /// Adds the tube last laid.
-    fn write(&mut self, mesh: &mut Mesh) {
+    /// Adds the tube last laid, and the segment of each of its vertices.
+    fn write(&mut self, mesh: &mut Mesh, segments: Option<&mut Vec<u32>>) {
         let section = &self.sections[self.section].1;
         self.vertices.clear();
         let forking: Vec<Forking<'_>> = self
@@ -332,7 +355,23 @@ impl<'a> Tubes<'a> {
                 Forking { ring: row.ring, fork, tube, vertices }
             })
             .collect();
-        self.sweep.write_forking(section, &forking, mesh, &mut self.vertices);
+        match segments {
+            None => self.sweep.write_forking(section, &forking, mesh, &mut self.vertices),
+            Some(segments) => {
+                let of_kept = |kept: usize| {
+                    let mut ring = self.of_rings.iter().enumerate();
+                    let ring = ring.position(|(ring, _)| self.sweep.kept(ring) == Some(kept));
+                    ring.map_or(0, |ring| self.of_rings[ring])
+                };
+                let mut note = |written| match written {
+                    Written::Ring { kept, n_vertices } => {
+                        segments.resize(n_vertices, of_kept(kept));
+                    }
+                    Written::Copy { of } => segments.push(segments[of as usize]),
+                };
+                self.sweep.write_noting(section, &forking, mesh, &mut self.vertices, &mut note);
+            }
+        }
         for ((row, _, _), vertices) in self.forks.on_tube().zip(&self.vertices) {
             if let Some(joint) = &mut self.joints[row.segment] {
                 joint.vertices = Some(*vertices);
@@ -381,6 +420,7 @@ impl<'a> Tubes<'a> {
         self.between.clear();
         find_places(stem, self.form, self.detail, sides, &mut self.between);
         self.rings.clear();
+        self.of_rings.clear();
         self.ends.clear();
         let segments = self.stems.segments_of(index);
         let factor = |z: f32| if stem.seed.level == 0 { self.form.factor(z) } else { 1.0 };
@@ -391,7 +431,10 @@ impl<'a> Tubes<'a> {
                 let radius = segment.radius_foot * factor(segment.z_foot);
                 let foot = Ring { center: segment.frame.origin, radius };
                 self.rings.push(joint.map_or(foot, |joint| joint.ring));
+                let before = joint.and_then(|_| self.stems.segment_before(stem));
+                self.of_rings.push(before.map_or(stem.first_segment, |before| before as u32));
             }
+            let number = stem.first_segment + i as u32;
             if places.peek().is_some() {
                 let bend = segments.get(i + 1).map_or(0.0, |next| bend(segment, next));
                 let mut near = [bend_before, bend].map(|bend| room(bend, stem, segment));
@@ -408,6 +451,7 @@ impl<'a> Tubes<'a> {
                     if from_foot > near[0] && segment.z_end - z > near[1] {
                         let center = self.stems.center_in(index, segment, z * stem.seed.length);
                         self.rings.push(Ring { center, radius: stem.radius_at(z) * factor(z) });
+                        self.of_rings.push(number);
                     }
                 }
                 bend_before = bend;
@@ -419,6 +463,7 @@ impl<'a> Tubes<'a> {
             let radius = segment.radius_end * factor(segment.z_end);
             self.ends.push(Some(self.rings.len()));
             self.rings.push(Ring { center: segment.end(), radius });
+            self.of_rings.push(number);
         }
     }
 }

@@ -32,6 +32,22 @@ pub fn children<E>(
     child: &Level,
     charge: &mut impl FnMut(usize) -> Result<(), E>,
 ) -> Result<Vec<StemSeed>, E> {
+    children_on(stems, crown, form, child, charge, &mut |_| ())
+}
+
+/// As [`children`]; `on` is told for each seed the segment that it grows on, an index into
+/// [`Stems::segments`].
+///
+/// # Errors
+/// The first refusal of `charge`.
+pub(crate) fn children_on<E>(
+    stems: &Stems,
+    crown: &Crown,
+    form: Option<&TrunkForm>,
+    child: &Level,
+    charge: &mut impl FnMut(usize) -> Result<(), E>,
+    on: &mut impl FnMut(usize),
+) -> Result<Vec<StemSeed>, E> {
     let mut seeds = Vec::new();
     let mut turns = Turns::new(stems);
     for (index, stem) in stems.stems.iter().enumerate() {
@@ -53,7 +69,9 @@ pub fn children<E>(
             for i in 0..count {
                 let angle =
                     fan_angle(i, count, child.rotate, child.rotate_v, &mut parent.rotations);
-                seeds.extend(parent.seed(stem.seed.length, tip.turned_y(angle)));
+                let seed = parent.seed(stem.seed.length, tip.turned_y(angle));
+                seed.iter().for_each(|_| on(stem.segment_range().end - 1));
+                seeds.extend(seed);
             }
             continue;
         }
@@ -77,7 +95,9 @@ pub fn children<E>(
                 let (offset, step) = places.at(slots, i);
                 let angle = turn.next(step, child.rotate, child.rotate_v, &mut parent.rotations);
                 let center = stems.center_in(index, segment, offset);
-                seeds.extend(parent.seed(offset, segment.frame.at(center).turned_z(angle)));
+                let seed = parent.seed(offset, segment.frame.at(center).turned_z(angle));
+                seed.iter().for_each(|_| on(at));
+                seeds.extend(seed);
             }
             turns.note(at, turn);
         }

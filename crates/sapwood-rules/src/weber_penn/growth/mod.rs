@@ -23,8 +23,10 @@ mod variation;
 
 pub(super) use attraction::is_attracted;
 pub use children::children;
+pub(super) use children::children_on;
 #[cfg(test)]
 pub(super) use children::n_children;
+pub(super) use curve::helix_radius;
 pub use fit::{Limit, fit};
 pub use frame::Frame;
 pub use grow::grow;

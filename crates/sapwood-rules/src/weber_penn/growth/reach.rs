@@ -130,6 +130,13 @@ impl Reach {
         }
     }
 
+    /// How far everything may reach whichever way stems turn, as in the wind: `up` is as far as
+    /// the way along them. A helix may reach `aside` of the trunk's length further.
+    pub(crate) fn any_way(self, aside: f32) -> Self {
+        let radius = self.up + aside;
+        Self { side: radius, up: radius, down: radius, middle: 0.0, radius, ..self }
+    }
+
     /// The bound around a trunk of at most this length in metres, whose foot is here; nothing
     /// where it is not finite.
     pub(crate) fn bound(&self, foot: Vec3, length: f32) -> Option<Bound> {

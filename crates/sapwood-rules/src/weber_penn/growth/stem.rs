@@ -170,6 +170,13 @@ impl Stems {
         &self.segments[self.stems[stem].segment_range()]
     }
 
+    /// The segment at whose end a clone begins; nothing for stems that are none.
+    pub(crate) fn segment_before(&self, stem: &Stem) -> Option<usize> {
+        let origin = &self.stems[stem.clone_of? as usize];
+        let before = stem.start.checked_sub(origin.start + 1)?;
+        (before < origin.n_segments).then_some((origin.first_segment + before) as usize)
+    }
+
     /// The own segment of `stem` at an offset in metres, the nearest one beyond its ends.
     pub fn segment_at(&self, stem: usize, offset: f32) -> &Segment {
         let s = &self.stems[stem];

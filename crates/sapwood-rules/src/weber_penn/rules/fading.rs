@@ -17,6 +17,7 @@ use super::super::{FadingItem, FadingParams, Leaf, LeafSurface, Stem, StemSurfac
 use super::geometry::{
     LeafDress, LeafSurfaceRule, StemSurfaceRule, leaf_dress, material, trunk_form,
 };
+use super::swaying::{Carried, segments_of};
 
 /// Compiles stems into tubes that give way to lines.
 pub(super) struct FadingSurfaceRule;
@@ -41,8 +42,12 @@ impl Rule for FadingSurfaceRule {
         let look = cx.read::<BarkLookSlot>();
         let (bark, _) = material::<BarkSlot>(|| look.material(level, &detail), cx)?;
         let form = trunk_form(of, cx);
+        // What is compiled for a range is not moved.
+        let carried = Carried::of(&of.stems, params.fixed_range.is_none(), cx);
+        let mut segments = carried.is_some().then(Vec::new);
         let charge = |triangles| cx.reserve_triangles(triangles as u64);
-        let (mesh, bands) = banded_surface(&of.stems, &form, &detail, look.width, charge)?;
+        let (mesh, bands) =
+            banded_surface(&of.stems, &form, &detail, look.width, charge, segments.as_mut())?;
         if mesh.is_empty() {
             return Ok(SelfFading);
         }
@@ -55,9 +60,12 @@ impl Rule for FadingSurfaceRule {
         let lines = fading(lines, polygons, None);
         let stems: Arc<[u32]> = ordered.stems.into();
         let Some(range) = params.fixed_range else {
-            cx.fading(tubes, |cx| {
-                cx.mesh(SharedMesh::new(ordered.mesh), bark);
-                cx.shows(Shown::rows::<Stem>(ends.to_vec(), Arc::clone(&stems)));
+            Carried::sway(carried, segments, cx, |cx, follow| {
+                cx.fading(tubes, |cx| {
+                    cx.mesh(SharedMesh::new(ordered.mesh), bark);
+                    follow(cx);
+                    cx.shows(Shown::rows::<Stem>(ends.to_vec(), Arc::clone(&stems)));
+                });
             });
             cx.fading(lines, |cx| {
                 let each: Vec<u32> = (1..=stems.len() as u32).collect();
@@ -122,12 +130,17 @@ impl Rule for FadingLeavesRule {
         match fading.fixed_range {
             None => {
                 let transforms = Shared::new(transforms);
-                for (fading, mesh) in both {
-                    cx.fading(fading, |cx| {
-                        cx.instances(mesh, Arc::clone(&foliage), transforms.clone());
-                        cx.shows(Shown::each::<Leaf>());
-                    });
-                }
+                let carried = Carried::of(&of.stems, true, cx);
+                let segments = carried.is_some().then(|| evenly_ordered_leaves(&segments_of(of)));
+                Carried::sway(carried, segments, cx, |cx, follow| {
+                    for (fading, mesh) in both {
+                        cx.fading(fading, |cx| {
+                            cx.instances(mesh, Arc::clone(&foliage), transforms.clone());
+                            follow(cx);
+                            cx.shows(Shown::each::<Leaf>());
+                        });
+                    }
+                });
             }
             Some(range) => {
                 for (fading, mesh) in both {

@@ -10,6 +10,7 @@ use sapwood_images::PaintedMaterial;
 use sapwood_scene::{Context, Held, MaterialSlot, Rule, RuleError, Slot, Style, StyleSlot};
 
 use super::super::fading::leaf_point;
+use super::super::geometry::segmented_surface;
 use super::super::growth::leaves_at;
 use super::super::slots::{
     BarkLookSlot, BarkSlot, CrownSlot, DetailSlot, FoliageSlot, LeafLookSlot, LeavesSlot,
@@ -17,9 +18,10 @@ use super::super::slots::{
 };
 use super::super::{
     Crown, Detail, Leaf, LeafModel, LeafParams, LeafSurface, Species, Stem, StemSurface, Stems,
-    TrunkForm, closed_stems, leaf_card, leaf_mesh, surface,
+    TrunkForm, closed_stems, leaf_card, leaf_mesh,
 };
 use super::skeleton::draw_stem_lines;
+use super::swaying::{Carried, segments_of};
 
 /// Compiles stems into one mesh of tubes, or what else the style asks for.
 pub(super) struct StemSurfaceRule;
@@ -78,20 +80,24 @@ impl Rule for StemSurfaceRule {
         };
         let form = trunk_form(of, cx);
         let mut ends: Vec<u32> = Vec::with_capacity(of.stems.stems.len());
+        let carried = Carried::of(&of.stems, bark.is_some(), cx);
+        let mut segments = carried.is_some().then(Vec::new);
         let charge = |triangles| {
             let end = ends.last().copied().unwrap_or(0);
             ends.push(end.saturating_add(triangles as u32));
             cx.reserve_triangles(triangles as u64)
         };
-        let mesh = surface(&of.stems, &form, &detail, look.width, charge)?;
+        let mesh =
+            segmented_surface(&of.stems, &form, &detail, look.width, charge, segments.as_mut())?;
         if mesh.is_empty() {
             return Ok(None);
         }
         match bark {
-            Some(bark) => {
+            Some(bark) => Carried::sway(carried, segments, cx, |cx, follow| {
                 cx.mesh(SharedMesh::new(mesh), bark);
+                follow(cx);
                 cx.shows(Shown::spans::<Stem>(ends));
-            }
+            }),
             None => cx.lines(Shared::new(mesh.edges())),
         }
         Ok(Some(Tubed { stems: of.stems.clone(), form, detail, bark_width: look.width }))
@@ -236,8 +242,13 @@ impl Rule for LeafSurfaceRule {
         cx.reserve_triangles((of.places.len() * mesh.n_triangles()) as u64)?;
         match foliage {
             Some(foliage) => {
-                cx.instances(mesh, foliage, of.places.clone());
-                cx.shows(Shown::each::<Leaf>());
+                let carried = Carried::of(&of.stems, true, cx);
+                let segments = carried.is_some().then(|| segments_of(of));
+                Carried::sway(carried, segments, cx, |cx, follow| {
+                    cx.instances(mesh, foliage, of.places.clone());
+                    follow(cx);
+                    cx.shows(Shown::each::<Leaf>());
+                });
             }
             None => {
                 let edges = mesh.edges();

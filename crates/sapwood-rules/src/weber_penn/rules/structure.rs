@@ -10,20 +10,20 @@ use sapwood_scene::{
     ChildPath, Context, Placement, Projection, Rule, RuleError, SlotReader, Style, StyleSlot,
 };
 
-use super::super::growth::{Reach, is_attracted};
+use super::super::growth::{Reach, children_on, is_attracted};
 use super::super::slots::{
     CrownSlot, DetailSlot, FadingSlot, IsPrunedSlot, LeafTargetSlot, LeavesSlot, LevelSlot,
     StemTargetSlot, TrunkFormSlot,
 };
 use super::super::{
     Branch, Children, Crown, Leaf, LeafParams, LeafPlaces, LeafSurface, LeafTarget, Leaves, Level,
-    Seed, Segment, Stem, StemSeed, StemSurface, Stems, Target, Tree, Twigs, children, grow,
-    leaf_places, trunks,
+    Seed, Segment, Stem, StemSeed, StemSurface, Stems, Target, Tree, Twigs, grow, leaf_places,
+    trunks,
 };
 use super::pruning::{IsPruned, fitted};
 
 /// The parameters of a level.
-fn level(cx: &mut Context<'_>, n: usize) -> Arc<Level> {
+pub(super) fn level(cx: &mut Context<'_>, n: usize) -> Arc<Level> {
     match n {
         0 => cx.read::<LevelSlot<0>>(),
         1 => cx.read::<LevelSlot<1>>(),
@@ -219,12 +219,25 @@ impl Rule for BranchRule {
     const NAME: &'static str = "weber_penn.branch";
 
     fn init(&self, branch: &Branch, cx: &mut Context<'_>) -> Result<Shared<Stems>, RuleError> {
-        let stems = grown(cx, std::slice::from_ref(&branch.seed), Digest::of(branch))?;
-        if !stems.stems.is_empty() {
-            cx.emit(StemSurface { stems: stems.clone() });
-            emit_growth(&stems, cx);
-        }
+        let stems = branch_stems(branch, cx)?;
+        emit_grown(&stems, cx);
         Ok(stems)
+    }
+}
+
+/// The stems of a branch, added as parts.
+pub(super) fn branch_stems(
+    branch: &Branch,
+    cx: &mut Context<'_>,
+) -> Result<Shared<Stems>, RuleError> {
+    grown(cx, std::slice::from_ref(&branch.seed), Digest::of(branch))
+}
+
+/// Emits what draws stems, and what grows on them.
+pub(super) fn emit_grown(stems: &Shared<Stems>, cx: &mut Context<'_>) {
+    if !stems.stems.is_empty() {
+        cx.emit(StemSurface { stems: stems.clone() });
+        emit_growth(stems, cx);
     }
 }
 
@@ -260,36 +273,47 @@ impl Rule for ChildrenRule {
     const NAME: &'static str = "weber_penn.children";
 
     fn init(&self, parents: &Children, cx: &mut Context<'_>) -> Result<Offspring, RuleError> {
-        let stems = &parents.stems;
-        let Some(parent) = stems.stems.first() else { return Ok(Offspring::None) };
-        let n = usize::from(parent.seed.level) + 1;
-        let crown = cx.read::<CrownSlot>();
-        let form = (n == 1).then(|| cx.read::<TrunkFormSlot>());
-        let level = level(cx, n);
-        let seeds = children(stems, &crown, form.as_deref(), &level, &mut charging(cx))?;
-        if seeds.is_empty() {
-            return Ok(Offspring::None);
-        }
-        if n < FIRST_IN_BATCHES && n as u32 + 1 < crown.levels {
-            for seed in &seeds {
-                cx.emit(Branch { seed: *seed });
+        let offspring = offspring(parents, cx, &mut |_| ())?;
+        match &offspring {
+            Offspring::None => {}
+            Offspring::Branches(seeds) => {
+                seeds.iter().for_each(|seed| cx.emit(Branch { seed: *seed }))
             }
-            Ok(Offspring::Branches(Shared::new(seeds)))
-        } else {
-            let seeds = match form {
-                // The seeds follow from these alone, so there is no need to read them all.
-                None => {
-                    let mut digester = Digester::new();
-                    digester.add(Twigs::NAME).add(stems).add(&*crown).add(&*level);
-                    Shared::with_digest(digester.finish(), seeds)
-                }
-                // A trunk's form seldom changes what grows on it.
-                Some(_) => Shared::new(seeds),
-            };
-            cx.emit(Twigs { seeds: seeds.clone() });
-            Ok(Offspring::Twigs(seeds))
+            Offspring::Twigs(seeds) => cx.emit(Twigs { seeds: seeds.clone() }),
         }
+        Ok(offspring)
     }
+}
+
+/// What grows on stems; `on` is told for each seed the segment that it grows on.
+pub(super) fn offspring(
+    parents: &Children,
+    cx: &mut Context<'_>,
+    on: &mut impl FnMut(usize),
+) -> Result<Offspring, RuleError> {
+    let stems = &parents.stems;
+    let Some(parent) = stems.stems.first() else { return Ok(Offspring::None) };
+    let n = usize::from(parent.seed.level) + 1;
+    let crown = cx.read::<CrownSlot>();
+    let form = (n == 1).then(|| cx.read::<TrunkFormSlot>());
+    let level = level(cx, n);
+    let seeds = children_on(stems, &crown, form.as_deref(), &level, &mut charging(cx), on)?;
+    if seeds.is_empty() {
+        return Ok(Offspring::None);
+    }
+    if n < FIRST_IN_BATCHES && n as u32 + 1 < crown.levels {
+        return Ok(Offspring::Branches(Shared::new(seeds)));
+    }
+    Ok(Offspring::Twigs(match form {
+        // The seeds follow from these alone, so there is no need to read them all.
+        None => {
+            let mut digester = Digester::new();
+            digester.add(Twigs::NAME).add(stems).add(&*crown).add(&*level);
+            Shared::with_digest(digester.finish(), seeds)
+        }
+        // A trunk's form seldom changes what grows on it.
+        Some(_) => Shared::new(seeds),
+    }))
 }
 
 /// Compiles the stems of one level on one branch, and what grows on them.
@@ -301,13 +325,15 @@ impl Rule for TwigsRule {
     const NAME: &'static str = "weber_penn.twigs";
 
     fn init(&self, twigs: &Twigs, cx: &mut Context<'_>) -> Result<Shared<Stems>, RuleError> {
-        let stems = grown(cx, &twigs.seeds, Digest::of(twigs))?;
-        if !stems.stems.is_empty() {
-            cx.emit(StemSurface { stems: stems.clone() });
-            emit_growth(&stems, cx);
-        }
+        let stems = twig_stems(twigs, cx)?;
+        emit_grown(&stems, cx);
         Ok(stems)
     }
+}
+
+/// The stems of twigs, added as parts.
+pub(super) fn twig_stems(twigs: &Twigs, cx: &mut Context<'_>) -> Result<Shared<Stems>, RuleError> {
+    grown(cx, &twigs.seeds, Digest::of(twigs))
 }
 
 /// Emits what grows on stems: the next level, or leaves on the last.

@@ -4,7 +4,7 @@ use glam::Vec2;
 use sapwood_geom::Fork;
 
 use super::Tubes;
-use crate::weber_penn::{Stem, Stems};
+use crate::weber_penn::Stems;
 
 /// The forks of a batch, found stem by stem.
 #[derive(Default)]
@@ -33,7 +33,7 @@ impl Forks {
     pub(super) fn of(stems: &Stems) -> Self {
         let mut leaving: Vec<(u32, u32)> = (0..)
             .zip(&stems.stems)
-            .filter_map(|(clone, stem)| Some((segment_before(stems, stem)? as u32, clone)))
+            .filter_map(|(clone, stem)| Some((stems.segment_before(stem)? as u32, clone)))
             .collect();
         leaving.sort_unstable();
         Self { leaving, standing: vec![None; stems.stems.len()], ..Self::default() }
@@ -53,7 +53,7 @@ impl Forks {
     /// The segment at whose end a clone stands on a fork, if it does.
     pub(super) fn foot_of(&self, stems: &Stems, index: usize) -> Option<usize> {
         (*self.standing.get(index)?)?;
-        segment_before(stems, &stems.stems[index])
+        stems.segment_before(&stems.stems[index])
     }
 
     /// The rings that fork on the tube last laid, ascending, each with its fork and which of the
@@ -65,20 +65,13 @@ impl Forks {
     }
 }
 
-/// The segment at whose end a clone begins; nothing for stems that are none.
-fn segment_before(stems: &Stems, stem: &Stem) -> Option<usize> {
-    let origin = &stems.stems[stem.clone_of? as usize];
-    let before = stem.start.checked_sub(origin.start + 1)?;
-    (before < origin.n_segments).then_some((origin.first_segment + before) as usize)
-}
-
 impl Tubes<'_> {
     /// Finds the rings at which the tube last laid forks.
     pub(super) fn find_forks(&mut self, index: usize) {
         let stem = &self.stems.stems[index];
         self.forks.on_tube.clear();
         if let (Some((fork, tube)), Some(segment)) =
-            (self.forks.standing[index], segment_before(self.stems, stem))
+            (self.forks.standing[index], self.stems.segment_before(stem))
         {
             let foot = ForkedRing { ring: 0, segment, is_foot: true };
             self.forks.on_tube.push((foot, fork, tube));
