@@ -18,7 +18,8 @@ mod stl;
 mod svg;
 
 pub use self::gltf::{
-    Model, ModelNode, ReadLimits, glb_bytes, gltf_buffer_path, read_gltf, write_glb, write_gltf,
+    Model, ModelNode, ReadLimits, SwayAnimation, Swayed, glb_bytes, gltf_buffer_path, read_gltf,
+    swaying_glb_bytes, write_glb, write_gltf,
 };
 pub use atomic::{FileSet, write_atomically};
 pub use error::{Error, ErrorKind, Place};

@@ -36,6 +36,22 @@ pub(crate) fn n_copies(row: &DrawRow) -> usize {
 }
 
 impl Part<'_> {
+    /// Hands over, for each vertex in the order of [`each_mesh`](Self::each_mesh), its row and its
+    /// number there, or that of its instance.
+    pub(crate) fn each_vertex(&self, mut take: impl FnMut(&DrawRow, usize)) {
+        for row in &self.rows {
+            let n = row.mesh.n_vertices();
+            match &row.instances {
+                None => (0..n).for_each(|vertex| take(row, vertex)),
+                Some(instances) => {
+                    for instance in 0..instances.len() {
+                        (0..n).for_each(|_| take(row, instance));
+                    }
+                }
+            }
+        }
+    }
+
     /// Number of vertices and of indices, every instance counted.
     pub(crate) fn size(&self) -> (u64, u64) {
         self.rows.iter().fold((0, 0), |(vertices, indices), row| {

@@ -8,6 +8,7 @@ use json::validation::{Checked::Valid, USize64};
 use sapwood_geom::Aabb;
 use sapwood_geom::glam::{Vec2, Vec3};
 
+use super::sway::Skeleton;
 use crate::parts::Part;
 use crate::sound;
 
@@ -23,6 +24,11 @@ pub(super) struct Accessors {
 pub(super) fn byte_length(part: &Part<'_>) -> u64 {
     let (n_vertices, n_indices) = part.size();
     n_vertices * 32 + (n_indices * index_size(n_vertices)).next_multiple_of(4)
+}
+
+/// Bytes that the joints of a part's vertices take.
+pub(super) fn joints_length(part: &Part<'_>, skeleton: &Skeleton<'_>) -> u64 {
+    part.size().0 * (4 * skeleton.number_size() as u64 + 4)
 }
 
 /// Two bytes where 16 bits number the vertices, else four; the largest number is kept free, for
@@ -81,10 +87,10 @@ impl BufferBuilder {
             Ok::<_, String>(())
         })?;
 
-        let vectors = (ComponentType::F32, Type::Vec3, Target::ArrayBuffer);
-        let pairs = (ComponentType::F32, Type::Vec2, Target::ArrayBuffer);
+        let vectors = (ComponentType::F32, Type::Vec3, Some(Target::ArrayBuffer));
+        let pairs = (ComponentType::F32, Type::Vec2, Some(Target::ArrayBuffer));
         let numbers = if index_size == 2 { ComponentType::U16 } else { ComponentType::U32 };
-        let numbers = (numbers, Type::Scalar, Target::ElementArrayBuffer);
+        let numbers = (numbers, Type::Scalar, Some(Target::ElementArrayBuffer));
         let mut at = start;
         let mut next = |count, size, kind| {
             let accessor = accessor(root, at, count, size, kind);
@@ -100,6 +106,47 @@ impl BufferBuilder {
         let positions = &mut root.accessors[accessors.positions.value()];
         (positions.min, positions.max) = (Some(value(bounds.min)), Some(value(bounds.max)));
         Ok(accessors)
+    }
+
+    /// Adds for each vertex of `part` the joint that it follows, wholly.
+    pub(super) fn add_joints(
+        &mut self,
+        root: &mut json::Root,
+        part: &Part<'_>,
+        skeleton: &Skeleton<'_>,
+    ) -> (Index<json::Accessor>, Index<json::Accessor>) {
+        let (n, size) = (part.size().0 as usize, skeleton.number_size());
+        let start = self.next;
+        self.next += joints_length(part, skeleton) as usize;
+        let (joints, weights) = self.bytes[start..self.next].split_at_mut(4 * size * n);
+        let mut places = joints.chunks_exact_mut(4 * size);
+        part.each_vertex(|row, i| {
+            let number = skeleton.number(row.follows.as_ref(), i).to_le_bytes();
+            if let Some(place) = places.next() {
+                place[..size].copy_from_slice(&number[..size]);
+            }
+        });
+        weights.chunks_exact_mut(4).for_each(|weights| weights[0] = u8::MAX);
+        let component = if size == 1 { ComponentType::U8 } else { ComponentType::U16 };
+        let kind = (component, Type::Vec4, Some(Target::ArrayBuffer));
+        let joints = accessor(root, start, n, 4 * size, kind);
+        let kind = (ComponentType::U8, Type::Vec4, Some(Target::ArrayBuffer));
+        let weights = accessor(root, start + 4 * size * n, n, 4, kind);
+        root.accessors[weights.value()].normalized = true;
+        (joints, weights)
+    }
+
+    /// Adds numbers that are no vertices, `N` to an element.
+    pub(super) fn add_floats<const N: usize>(
+        &mut self,
+        root: &mut json::Root,
+        type_: Type,
+        floats: &[[f32; N]],
+    ) -> Index<json::Accessor> {
+        let start = self.next;
+        self.next += size_of_val(floats);
+        write_floats(&mut self.bytes[start..self.next], floats, |element| *element);
+        accessor(root, start, floats.len(), 4 * N, (ComponentType::F32, type_, None))
     }
 
     /// Adds the bytes of an image, whose view is declared already.
@@ -137,7 +184,7 @@ fn accessor(
     start: usize,
     count: usize,
     size: usize,
-    (component, type_, target): (ComponentType, Type, Target),
+    (component, type_, target): (ComponentType, Type, Option<Target>),
 ) -> Index<json::Accessor> {
     let view = root.push(json::buffer::View {
         buffer: Index::new(0),
@@ -145,7 +192,7 @@ fn accessor(
         byte_offset: (start > 0).then(|| USize64::from(start)),
         byte_stride: None,
         name: None,
-        target: Some(Valid(target)),
+        target: target.map(Valid),
         extensions: None,
         extras: None,
     });

@@ -1,18 +1,21 @@
 //! The document: what of a draw list goes where in a glTF file.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 
 use gltf::binary::{Glb, Header};
 use gltf_json as json;
 use json::Index;
+use json::accessor::Type;
 use json::validation::Checked::Valid;
-use sapwood_geom::glam::Affine3;
+use sapwood_geom::glam::{Affine3, Mat4, Vec3};
 use sapwood_graph::{Body, DrawList};
 
 use super::buffer::{self, BufferBuilder};
 use super::fixtures::{self, Fixtures};
 use super::materials::Materials;
 use super::placement;
+use super::sway::{Skeleton, SwayAnimation, Swayed};
 use crate::parts::{self, Part};
 use crate::{Error, ErrorKind};
 
@@ -27,9 +30,34 @@ pub(super) struct Document {
 
 impl Document {
     pub(super) fn of(list: &DrawList) -> Result<Self, Error> {
+        Ok(Self::animated(list, None)?.0)
+    }
+
+    /// The document of a list, of which what sways does so as `animation` has it.
+    pub(super) fn animated(
+        list: &DrawList,
+        animation: Option<&SwayAnimation>,
+    ) -> Result<(Self, Swayed), Error> {
         let bodies: Vec<Vec<Part<'_>>> = list.bodies.iter().map(parts::parts).collect();
+        let skeletons: Vec<Option<Skeleton<'_>>> = list
+            .bodies
+            .iter()
+            .map(|body| animation.and_then(|animation| Skeleton::of(body, animation)))
+            .collect();
+        let times = animation.map_or_else(Vec::new, SwayAnimation::times);
         // Refused by the sizes alone before any geometry is copied; the JSON is added later.
-        let geometry = bodies.iter().flatten().map(buffer::byte_length).sum();
+        let mut geometry = bodies.iter().flatten().map(buffer::byte_length).sum();
+        let mut swayed = Swayed::default();
+        for (parts, skeleton) in bodies.iter().zip(&skeletons) {
+            let Some(skeleton) = skeleton else { continue };
+            let joints = parts.iter().map(|part| buffer::joints_length(part, skeleton));
+            geometry += joints.sum::<u64>() + skeleton.byte_length(times.len());
+            swayed.n_joints += skeleton.swayed.n_joints;
+            swayed.n_rigid += skeleton.swayed.n_rigid;
+        }
+        if swayed.n_joints > 0 {
+            geometry += 4 * times.len() as u64;
+        }
         check_size(geometry)?;
         let mut assembly = Assembly { materials: Materials::new(geometry), ..Assembly::default() };
         let mut materials = Vec::with_capacity(bodies.len());
@@ -39,18 +67,24 @@ impl Document {
         check_size(assembly.materials.n_bytes())?;
 
         assembly.buffer = BufferBuilder::new(assembly.materials.n_bytes());
+        if swayed.n_joints > 0 {
+            assembly.animate(&times);
+        }
         let mut drawn = Vec::with_capacity(bodies.len());
-        for ((body, parts), materials) in list.bodies.iter().zip(&bodies).zip(&materials) {
+        let all = list.bodies.iter().zip(&bodies).zip(&materials).zip(&skeletons);
+        for (((body, parts), materials), skeleton) in all {
             drawn.push(Drawn {
-                mesh: assembly.mesh(body, parts, materials)?,
+                mesh: assembly.mesh(body, parts, materials, skeleton.as_ref())?,
+                skin: skeleton.as_ref().map(|skeleton| assembly.skin(skeleton, &times)),
                 fixtures: Fixtures::of(body, &mut assembly.root, &mut assembly.lights)?,
             });
         }
         for occurrence in &list.occurrences {
             let body = occurrence.body as usize;
-            assembly.occurrence(&list.bodies[body], &drawn[body], &occurrence.world)?;
+            let skeleton = skeletons[body].as_ref();
+            assembly.occurrence(&list.bodies[body], &drawn[body], skeleton, &occurrence.world)?;
         }
-        Ok(assembly.finish())
+        Ok((assembly.finish(), swayed))
     }
 
     /// Both in one file.
@@ -89,7 +123,16 @@ pub(super) fn named(name: &str) -> Option<String> {
 /// What a body became.
 struct Drawn {
     mesh: Option<Index<json::Mesh>>,
+    skin: Option<DrawnSkin>,
     fixtures: Fixtures,
+}
+
+/// What all skins of a body share.
+struct DrawnSkin {
+    /// What undoes the places of its joints.
+    inverse_bind_matrices: Index<json::Accessor>,
+    /// How each of its joints turns, but for the one that holds them.
+    samplers: Vec<Index<json::animation::Sampler>>,
 }
 
 /// The document while it is put together.
@@ -100,6 +143,14 @@ struct Assembly {
     top: Vec<Index<json::Node>>,
     materials: Materials,
     lights: Vec<json::extensions::scene::khr_lights_punctual::Light>,
+    animation: Option<Animating>,
+}
+
+/// The one animation in the making.
+struct Animating {
+    times: Index<json::Accessor>,
+    samplers: Vec<json::animation::Sampler>,
+    channels: Vec<json::animation::Channel>,
 }
 
 impl Assembly {
@@ -123,6 +174,7 @@ impl Assembly {
         body: &Body,
         parts: &[Part<'_>],
         materials: &[Index<json::Material>],
+        skeleton: Option<&Skeleton<'_>>,
     ) -> Result<Option<Index<json::Mesh>>, Error> {
         if parts.is_empty() {
             return Ok(None);
@@ -131,13 +183,19 @@ impl Assembly {
         for (part, material) in parts.iter().zip(materials) {
             let accessors = self.buffer.add(&mut self.root, part);
             let accessors = accessors.map_err(|reason| unwritable(body, reason))?;
+            let mut attributes: BTreeMap<_, _> = [
+                (Valid(json::mesh::Semantic::Positions), accessors.positions),
+                (Valid(json::mesh::Semantic::Normals), accessors.normals),
+                (Valid(json::mesh::Semantic::TexCoords(0)), accessors.uvs),
+            ]
+            .into();
+            if let Some(skeleton) = skeleton {
+                let (joints, weights) = self.buffer.add_joints(&mut self.root, part, skeleton);
+                attributes.insert(Valid(json::mesh::Semantic::Joints(0)), joints);
+                attributes.insert(Valid(json::mesh::Semantic::Weights(0)), weights);
+            }
             primitives.push(json::mesh::Primitive {
-                attributes: [
-                    (Valid(json::mesh::Semantic::Positions), accessors.positions),
-                    (Valid(json::mesh::Semantic::Normals), accessors.normals),
-                    (Valid(json::mesh::Semantic::TexCoords(0)), accessors.uvs),
-                ]
-                .into(),
+                attributes,
                 indices: Some(accessors.indices),
                 material: Some(*material),
                 mode: Valid(json::mesh::Mode::Triangles),
@@ -155,8 +213,113 @@ impl Assembly {
         })))
     }
 
-    fn occurrence(&mut self, body: &Body, drawn: &Drawn, world: &Affine3) -> Result<(), Error> {
-        if let Some(mesh) = drawn.mesh {
+    /// Adds the times of the animation's keyframes.
+    fn animate(&mut self, times: &[f32]) {
+        let elements: Vec<[f32; 1]> = times.iter().map(|time| [*time]).collect();
+        let index = self.buffer.add_floats(&mut self.root, Type::Scalar, &elements);
+        let accessor = &mut self.root.accessors[index.value()];
+        let ends = [times.first(), times.last()].map(|time| time.copied().unwrap_or(0.0));
+        [accessor.min, accessor.max] = ends.map(|time| Some(json::Value::from(vec![time])));
+        let (samplers, channels) = (Vec::new(), Vec::new());
+        self.animation = Some(Animating { times: index, samplers, channels });
+    }
+
+    /// Adds what all skins of a body share.
+    fn skin(&mut self, skeleton: &Skeleton<'_>, times: &[f32]) -> DrawnSkin {
+        let origins = skeleton.joints.iter().map(|joint| joint.origin);
+        let matrices: Vec<[f32; 16]> = std::iter::once(Vec3::ZERO)
+            .chain(origins)
+            .map(|origin| Mat4::from_translation(-origin).to_cols_array())
+            .collect();
+        let inverse_bind_matrices = self.buffer.add_floats(&mut self.root, Type::Mat4, &matrices);
+        let mut samplers = Vec::with_capacity(skeleton.joints.len());
+        if let Some(animation) = &mut self.animation {
+            for joint in &skeleton.joints {
+                let turns = joint.turns(times);
+                let output = self.buffer.add_floats(&mut self.root, Type::Vec4, &turns);
+                samplers.push(Index::new(animation.samplers.len() as u32));
+                animation.samplers.push(json::animation::Sampler {
+                    input: animation.times,
+                    interpolation: Valid(json::animation::Interpolation::Linear),
+                    output,
+                    extensions: None,
+                    extras: None,
+                });
+            }
+        }
+        DrawnSkin { inverse_bind_matrices, samplers }
+    }
+
+    /// Puts a body's joints and its skinned mesh somewhere in the world. The mesh is where its
+    /// joints are, whatever node has it.
+    fn skinned(
+        &mut self,
+        body: &Body,
+        mesh: Index<json::Mesh>,
+        (skin, skeleton): (&DrawnSkin, &Skeleton<'_>),
+        world: &Affine3,
+    ) -> Result<(), Error> {
+        let first = self.root.nodes.len();
+        // The joints first, in their order; the one that holds them behind, for it is placed.
+        let node = |number: usize| Index::new((first + number - 1) as u32);
+        let mut children: Vec<Vec<Index<json::Node>>> = vec![Vec::new(); skeleton.len()];
+        for (number, joint) in (1..).zip(&skeleton.joints) {
+            children[joint.parent].push(node(number));
+        }
+        let mut children = children.into_iter();
+        let held = children.next();
+        for (number, (joint, children)) in (1..).zip(skeleton.joints.iter().zip(children)) {
+            self.root.push(json::Node {
+                translation: Some(joint.offset.to_array()),
+                children: (!children.is_empty()).then_some(children),
+                name: Some(format!("joint {number}")),
+                ..Default::default()
+            });
+        }
+        let holder = json::Node { name: named("joints"), children: held, ..Default::default() };
+        let holder = self.node(body, holder, world)?;
+        let joints = (1..skeleton.len()).map(node);
+        let joints: Vec<_> = std::iter::once(holder).chain(joints).collect();
+        if let Some(animation) = &mut self.animation {
+            for (sampler, joint) in skin.samplers.iter().zip(&joints[1..]) {
+                animation.channels.push(json::animation::Channel {
+                    sampler: *sampler,
+                    target: json::animation::Target {
+                        node: *joint,
+                        path: Valid(json::animation::Property::Rotation),
+                        extensions: None,
+                        extras: None,
+                    },
+                    extensions: None,
+                    extras: None,
+                });
+            }
+        }
+        let skin = self.root.push(json::Skin {
+            inverse_bind_matrices: Some(skin.inverse_bind_matrices),
+            joints,
+            name: named(body.kind.name()),
+            skeleton: Some(holder),
+            extensions: None,
+            extras: None,
+        });
+        let name = named(body.kind.name());
+        let node = json::Node { name, mesh: Some(mesh), skin: Some(skin), ..Default::default() };
+        let index = self.root.push(node);
+        self.top.push(index);
+        Ok(())
+    }
+
+    fn occurrence(
+        &mut self,
+        body: &Body,
+        drawn: &Drawn,
+        skeleton: Option<&Skeleton<'_>>,
+        world: &Affine3,
+    ) -> Result<(), Error> {
+        if let (Some(mesh), Some(skin)) = (drawn.mesh, drawn.skin.as_ref().zip(skeleton)) {
+            self.skinned(body, mesh, skin, world)?;
+        } else if let Some(mesh) = drawn.mesh {
             let node = json::Node {
                 name: named(body.kind.name()),
                 mesh: Some(mesh),
@@ -178,16 +341,23 @@ impl Assembly {
         Ok(())
     }
 
-    /// Puts `node` somewhere in the world.
-    fn node(&mut self, body: &Body, mut node: json::Node, world: &Affine3) -> Result<(), Error> {
+    /// Puts `node` somewhere in the world, and tells where it is: what holds it may be another.
+    fn node(
+        &mut self,
+        body: &Body,
+        mut node: json::Node,
+        world: &Affine3,
+    ) -> Result<Index<json::Node>, Error> {
         if !world.is_finite() {
             return Err(unwritable(body, "its place is not finite".to_owned()));
         }
         let placement = placement::of(world);
+        let mut held = None;
         if let Some(rotation) = placement.inner {
             node.rotation = Some(json::scene::UnitQuaternion(rotation));
             let name = node.name.take();
             let inner = self.root.push(node);
+            held = Some(inner);
             node = json::Node { name, children: Some(vec![inner]), ..Default::default() };
         }
         node.translation = placement.translation;
@@ -195,7 +365,7 @@ impl Assembly {
         node.scale = placement.scale;
         let index = self.root.push(node);
         self.top.push(index);
-        Ok(())
+        Ok(held.unwrap_or(index))
     }
 
     fn finish(mut self) -> Document {
@@ -212,6 +382,15 @@ impl Assembly {
         }
         if !self.lights.is_empty() {
             fixtures::declare_lights(&mut self.root, self.lights);
+        }
+        if let Some(Animating { samplers, channels, .. }) = self.animation {
+            self.root.push(json::Animation {
+                channels,
+                samplers,
+                name: named("wind"),
+                extensions: None,
+                extras: None,
+            });
         }
         self.materials.finish(&mut self.buffer);
         let bin = self.buffer.finish(&mut self.root);

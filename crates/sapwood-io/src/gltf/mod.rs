@@ -4,7 +4,7 @@
 //! Every body becomes one glTF mesh with one primitive for each material, and every occurrence
 //! one node, so what several occurrences share is written once; an image is written once however
 //! many materials have it. Lights and cameras become those of glTF, lines of text nodes that
-//! carry the text in their `extras`. Polylines have no place in these files and are left out.
+//! carry the text in their `extras`. What sways is still, or is animated. Polylines have no place in these files and are left out.
 
 mod buffer;
 mod document;
@@ -13,6 +13,7 @@ mod materials;
 mod pair;
 mod placement;
 mod read;
+mod sway;
 
 use std::io;
 use std::path::Path;
@@ -25,6 +26,7 @@ use document::Document;
 
 pub use pair::gltf_buffer_path;
 pub use read::{Model, ModelNode, ReadLimits, read_gltf};
+pub use sway::{SwayAnimation, Swayed};
 
 /// The bytes of a `.glb` file with everything in `list` that has triangles, lights, is looked
 /// from or is written.
@@ -43,6 +45,24 @@ pub fn glb_bytes(list: &DrawList) -> Result<Vec<u8>, Error> {
     glb.to_writer(&mut bytes)
         .map_err(|error| Error::new(ErrorKind::Write { cause: to_io(error) }))?;
     Ok(bytes)
+}
+
+/// As [`glb_bytes`], with an animation of what sways: bodies become skinned meshes, and occurrences
+/// of one body move alike.
+///
+/// # Errors
+/// Those of [`glb_bytes`].
+pub fn swaying_glb_bytes(
+    list: &DrawList,
+    animation: &SwayAnimation,
+) -> Result<(Vec<u8>, Swayed), Error> {
+    let list = list.as_drawn();
+    let (document, swayed) = Document::animated(&list, Some(animation))?;
+    let glb = document.into_glb()?;
+    let mut bytes = Vec::with_capacity(glb.header.length as usize);
+    glb.to_writer(&mut bytes)
+        .map_err(|error| Error::new(ErrorKind::Write { cause: to_io(error) }))?;
+    Ok((bytes, swayed))
 }
 
 /// Writes what [`glb_bytes`] gives to the file at `path`, whole or not at all.
@@ -73,11 +93,35 @@ impl FileSet {
     /// # Errors
     /// Those of [`write_glb`].
     pub fn add_glb(&mut self, path: impl AsRef<Path>, list: &DrawList) -> Result<(), Error> {
-        let (path, list) = (path.as_ref(), list.as_drawn());
-        let glb: Glb<'_> = Document::of(&list)
-            .and_then(Document::into_glb)
-            .map_err(|error| error.in_file(&path.display().to_string()))?;
-        self.write(path, |out| glb.to_writer(out).map_err(to_io))
+        self.add_any_glb(path.as_ref(), list, None).map(|_| ())
+    }
+
+    /// Adds what [`swaying_glb_bytes`] gives.
+    ///
+    /// # Errors
+    /// Those of [`write_glb`].
+    pub fn add_swaying_glb(
+        &mut self,
+        path: impl AsRef<Path>,
+        list: &DrawList,
+        animation: &SwayAnimation,
+    ) -> Result<Swayed, Error> {
+        self.add_any_glb(path.as_ref(), list, Some(animation))
+    }
+
+    fn add_any_glb(
+        &mut self,
+        path: &Path,
+        list: &DrawList,
+        animation: Option<&SwayAnimation>,
+    ) -> Result<Swayed, Error> {
+        let list = list.as_drawn();
+        let made = Document::animated(&list, animation)
+            .and_then(|(document, swayed)| Ok((document.into_glb()?, swayed)));
+        let (glb, swayed): (Glb<'_>, _) =
+            made.map_err(|error| error.in_file(&path.display().to_string()))?;
+        self.write(path, |out| glb.to_writer(out).map_err(to_io))?;
+        Ok(swayed)
     }
 
     /// Adds what [`write_gltf`] writes: two files, or one where there is nothing to put into the
@@ -86,10 +130,33 @@ impl FileSet {
     /// # Errors
     /// Those of [`write_gltf`].
     pub fn add_gltf(&mut self, path: impl AsRef<Path>, list: &DrawList) -> Result<(), Error> {
-        let (path, list) = (path.as_ref(), list.as_drawn());
-        let document =
-            Document::of(&list).map_err(|error| error.in_file(&path.display().to_string()))?;
-        self.together(|files| pair::add(files, path, document))
+        self.add_any_gltf(path.as_ref(), list, None).map(|_| ())
+    }
+
+    /// Adds what [`add_swaying_glb`](Self::add_swaying_glb) does, as a text with its buffer.
+    ///
+    /// # Errors
+    /// Those of [`write_gltf`].
+    pub fn add_swaying_gltf(
+        &mut self,
+        path: impl AsRef<Path>,
+        list: &DrawList,
+        animation: &SwayAnimation,
+    ) -> Result<Swayed, Error> {
+        self.add_any_gltf(path.as_ref(), list, Some(animation))
+    }
+
+    fn add_any_gltf(
+        &mut self,
+        path: &Path,
+        list: &DrawList,
+        animation: Option<&SwayAnimation>,
+    ) -> Result<Swayed, Error> {
+        let list = list.as_drawn();
+        let (document, swayed) = Document::animated(&list, animation)
+            .map_err(|error| error.in_file(&path.display().to_string()))?;
+        self.together(|files| pair::add(files, path, document))?;
+        Ok(swayed)
     }
 }
 
