@@ -6,15 +6,16 @@ mod output;
 mod summary;
 mod told;
 mod weld;
+mod wind;
 
 use std::io::Write;
 use std::time::{Duration, Instant};
 
 use sapwood::geom::Aabb;
 use sapwood::geom::glam::{Affine3, Vec3};
-use sapwood::graph::{DrawList, Eye, Prune, WeldedUnion};
-use sapwood::io::{FileSet, Shape};
-use sapwood::rules::weber_penn::prune_handlers;
+use sapwood::graph::{DrawList, Eye, Prune, WeldedUnion, Wind};
+use sapwood::io::{FileSet, Shape, Swayed};
+use sapwood::rules::weber_penn::{SwaySlot, prune_handlers};
 use sapwood::scene::{Attribute, Handle, RuleSet, Scene, Style, ViewError, ViewId, Viewer};
 use tracing::{Level, info};
 
@@ -28,6 +29,7 @@ pub(crate) use output::Output;
 use output::{Drawn, Format, ListFormat};
 use summary::{Census, Phase, Summary};
 pub(crate) use summary::{grouped, size};
+pub(crate) use wind::WindArguments;
 
 /// Grows a tree; what is at fault is found in this order: arguments, species, compiling, files.
 pub(crate) fn run(
@@ -59,11 +61,15 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
     let mut scene = Scene::new();
     scene.set_logging(tracing::enabled!(Level::DEBUG));
     let root = tree::planted(&mut scene, &species, individual, of)?;
+    if arguments.wind.wind.is_some() {
+        scene.push::<SwaySlot>(root, arguments.wind.sway())?;
+    }
     let rules = match (arguments.weld, arguments.range) {
         (None | Some(Weld::Union), None) => tree::rules(of),
         (Some(Weld::Stem), None) => sapwood::segment_rules(),
         (_, Some(_)) => sapwood::fading_rules(),
     };
+    let rules = arguments.wind.rules(rules);
     let (view, bounds) =
         steps.time("compile", || tree::compiled(&mut scene, root, &rules, of, watch))?;
     let census = Census::of(&mut scene, view, species.levels)?;
@@ -77,6 +83,11 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
     }
     let mut list = steps.time("draw list", || drawn(&mut scene, view, cut.as_ref()))?;
     let mut bounds = bounds.aabb;
+    let moment = arguments.wind.moment(&list);
+    if moment.is_some() {
+        // The view's own have room for more wind.
+        bounds = aabb(&list);
+    }
     if cut.is_some() {
         bounds = aabb(&list);
         if bounds.is_empty() {
@@ -115,14 +126,18 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
     let mut files = FileSet::watched(move |path, bytes| follower.written(path, bytes));
     let lines = lines.as_ref().unwrap_or(&list);
     let solid = welded.as_ref().map(|(union, _)| &union.solid);
-    write_lists(arguments, &mut files, &Drawn { list: &list, lines, solid }, watch, &mut steps)?;
+    let still = moment.as_ref().unwrap_or(&list);
+    let animation = arguments.wind.animation();
+    let animation = animation.as_ref();
+    let to_write = Drawn { list: &list, still, animation, lines, solid };
+    let swayed = write_lists(arguments, &mut files, &to_write, watch, &mut steps)?;
     let mut toll = None;
     if let Some(order) = &order {
         let mut held;
         // A skeleton is drawn along what grew, welded or not.
         let is_welded = arguments.weld.is_some() && order.style != Some(Style::Skeleton);
-        let grown = if cut.is_some() || is_welded {
-            held = held::held(&list)?;
+        let grown = if cut.is_some() || is_welded || moment.is_some() {
+            held = held::held(still)?;
             let (scene, root) = (&mut held.0, held.1);
             let view = scene.open_view(root, &rules)?;
             watch.follow(scene.cancel_token(view)?);
@@ -131,6 +146,7 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
             Grown { scene: &mut scene, root, rules: &rules, view }
         };
         let order = &order.clone().at_range(arguments.range, foot);
+        // At rest, so that all moments are seen from the same place.
         let mut extent = Extent::of_box(bounds, foot.y);
         if order.is_turned() {
             extent = extent.tightened(&list);
@@ -151,6 +167,7 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
         components,
         surfaces,
         welded: welded.map(|(_, report)| report),
+        swayed,
         bounds,
         phases,
         notes: arguments.output.iter().filter_map(Output::note).collect(),
@@ -189,22 +206,24 @@ fn nothing_left(arguments: &GrowArguments) -> Failure {
     ))
 }
 
-/// Adds all files that hold what is drawn.
+/// Adds all files that hold what is drawn, and tells how many joints of them move.
 fn write_lists(
     arguments: &GrowArguments,
     files: &mut FileSet,
     drawn: &Drawn<'_>,
     watch: &Watch,
     steps: &mut Steps,
-) -> Result<(), Failure> {
+) -> Result<Option<Swayed>, Failure> {
+    let mut swayed = None;
     for output in &arguments.output {
         let Format::List(format) = output.format() else { continue };
         watch.check()?;
         let start = Instant::now();
-        let bytes = format.write(output.path(), files, drawn)?;
+        let (bytes, moved) = format.write(output.path(), files, drawn)?;
+        swayed = swayed.or(moved);
         steps.note(output.path().display().to_string(), start.elapsed(), Some(bytes));
     }
-    Ok(())
+    Ok(swayed)
 }
 
 /// A tree in a scene, and the view that it was compiled for.
@@ -283,6 +302,7 @@ fn check_outputs(arguments: &GrowArguments) -> Result<Option<Order>, Failure> {
     let pictures = || arguments.output.iter().filter(|output| output.format() == Format::Png);
     if pictures().next().is_none() {
         let in_vain = arguments.picture.given().or(turns.map(|_| "--turntable"));
+        wind::check(arguments, None)?;
         return match in_vain {
             None => Ok(None),
             Some(option) => Err(Failure::usage(format!(
@@ -291,6 +311,7 @@ fn check_outputs(arguments: &GrowArguments) -> Result<Option<Order>, Failure> {
         };
     }
     let order = Order::new(&arguments.picture, turns, None)?;
+    wind::check(arguments, Some(&order))?;
     let has_lines = arguments.tree.detail == Detail::Skeleton;
     if !arguments.cut.is_empty() && (has_lines || order.style == Some(Style::Skeleton)) {
         return Err(Failure::usage(
@@ -304,7 +325,7 @@ fn check_outputs(arguments: &GrowArguments) -> Result<Option<Order>, Failure> {
 }
 
 fn title(name: &str, individual: Individual, arguments: &GrowArguments) -> String {
-    let GrowArguments { tree: arguments, range, .. } = arguments;
+    let GrowArguments { tree: arguments, range, wind, .. } = arguments;
     let detail = match arguments.detail {
         Detail::Full => "",
         Detail::Draft => ", draft",
@@ -316,12 +337,15 @@ fn title(name: &str, individual: Individual, arguments: &GrowArguments) -> Strin
         quality => format!(", quality {quality}"),
     };
     let held = if arguments.prune.is_empty() { "" } else { ", pruned" };
-    let range = range.map_or_else(String::new, |range| format!(", from {range} m"));
+    let mut seen = range.map_or_else(String::new, |range| format!(", from {range} m"));
+    if let Some(Wind { speed, gust }) = wind.wind {
+        seen = format!(", in a wind of {speed} m/s with gusts of {gust}");
+    }
     match individual {
         Individual::At([x, y, z]) => {
-            format!("{name} at {x}, {y}, {z}{detail}{quality}{held}{range}")
+            format!("{name} at {x}, {y}, {z}{detail}{quality}{held}{seen}")
         }
-        Individual::Seed(seed) => format!("{name}, seed {seed}{detail}{quality}{held}{range}"),
+        Individual::Seed(seed) => format!("{name}, seed {seed}{detail}{quality}{held}{seen}"),
     }
 }
 

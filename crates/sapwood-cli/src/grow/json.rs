@@ -20,6 +20,7 @@ struct Document<'a> {
     prune: Vec<String>,
     prune_ratio: Option<f32>,
     range: Option<f32>,
+    wind: Option<Windy>,
     components: BTreeMap<&'static str, u64>,
     stems: &'a [u64],
     segments: u64,
@@ -31,6 +32,14 @@ struct Document<'a> {
     seconds: BTreeMap<&'a str, f64>,
     outputs: Vec<Written<'a>>,
     picture: Option<TollDocument>,
+}
+
+#[derive(Debug, Serialize)]
+struct Windy {
+    speed: f32,
+    gust: f32,
+    joints: Option<usize>,
+    rigid_joints: Option<usize>,
 }
 
 #[derive(Debug, Serialize)]
@@ -58,6 +67,7 @@ struct Written<'a> {
 pub(super) fn json(summary: &Summary, arguments: &GrowArguments) -> String {
     let Summary { species, census, surfaces, welded, bounds, phases, components, picture, .. } =
         summary;
+    let swayed = summary.swayed;
     let (seed, at) = match arguments.individual.individual() {
         Individual::Seed(seed) => (Some(seed), None),
         Individual::At(place) => (None, Some(place)),
@@ -78,6 +88,12 @@ pub(super) fn json(summary: &Summary, arguments: &GrowArguments) -> String {
         prune: arguments.tree.prune.iter().map(ToString::to_string).collect(),
         prune_ratio: arguments.tree.prune_ratio,
         range: arguments.range,
+        wind: arguments.wind.wind.map(|wind| Windy {
+            speed: wind.speed,
+            gust: wind.gust,
+            joints: swayed.map(|swayed| swayed.n_joints),
+            rigid_joints: swayed.map(|swayed| swayed.n_rigid),
+        }),
         components: components.iter().map(|(kind, n)| (kind.name(), *n)).collect(),
         stems: &census.stems,
         segments: census.segments,

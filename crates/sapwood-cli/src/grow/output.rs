@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use sapwood::geom::Solid;
 use sapwood::graph::DrawList;
-use sapwood::io::FileSet;
+use sapwood::io::{FileSet, SwayAnimation, Swayed};
 
 use crate::failure::Failure;
 use crate::picture;
@@ -48,8 +48,12 @@ pub(crate) enum ListFormat {
 
 /// What there is to be written.
 pub(crate) struct Drawn<'a> {
-    /// What is drawn.
+    /// What is drawn, at rest where it sways.
     pub(crate) list: &'a DrawList,
+    /// The moment of it that files hold which cannot move.
+    pub(crate) still: &'a DrawList,
+    /// How files move that can.
+    pub(crate) animation: Option<&'a SwayAnimation>,
     /// The lines that are drawn in its place.
     pub(crate) lines: &'a DrawList,
     /// The wood, where it was welded to one solid.
@@ -102,23 +106,31 @@ impl Output {
 }
 
 impl ListFormat {
-    /// Adds the file, and those that belong to it, to `files`; tells their size in bytes.
+    /// Adds the file, and those that belong to it, to `files`; tells their size in bytes, and how
+    /// many joints move where it can hold an animation.
     pub(crate) fn write(
         self,
         path: &Path,
         files: &mut FileSet,
         drawn: &Drawn<'_>,
-    ) -> Result<u64, sapwood::io::Error> {
-        let Drawn { list, lines, solid } = drawn;
+    ) -> Result<(u64, Option<Swayed>), sapwood::io::Error> {
+        let Drawn { list, still, animation, lines, solid } = drawn;
         let n_before = files.written().count();
-        match self {
-            Self::Glb => files.add_glb(path, list)?,
-            Self::Gltf => files.add_gltf(path, list)?,
-            Self::Obj => files.add_obj(path, list)?,
-            Self::Svg => files.add_svg(path, lines)?,
-            Self::Stl => files.add_stl(path, solid.unwrap_or(&Solid::default()))?,
+        let mut swayed = None;
+        match (self, animation) {
+            (Self::Glb, None) => files.add_glb(path, list)?,
+            (Self::Gltf, None) => files.add_gltf(path, list)?,
+            (Self::Glb, Some(animation)) => {
+                swayed = Some(files.add_swaying_glb(path, list, animation)?);
+            }
+            (Self::Gltf, Some(animation)) => {
+                swayed = Some(files.add_swaying_gltf(path, list, animation)?);
+            }
+            (Self::Obj, _) => files.add_obj(path, still)?,
+            (Self::Svg, _) => files.add_svg(path, lines)?,
+            (Self::Stl, _) => files.add_stl(path, solid.unwrap_or(&Solid::default()))?,
         }
-        Ok(files.written().skip(n_before).map(|(_, bytes)| bytes).sum())
+        Ok((files.written().skip(n_before).map(|(_, bytes)| bytes).sum(), swayed))
     }
 }
 

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use sapwood::geom::Aabb;
 use sapwood::graph::{Everything, Handlers, Kind, Order, WeldReport};
+use sapwood::io::Swayed;
 use sapwood::rules::weber_penn::{Leaf, Segment, Stem};
 use sapwood::scene::{Scene, ViewError, ViewId};
 
@@ -61,6 +62,8 @@ pub(crate) struct Summary {
     pub(crate) surfaces: Option<(u64, u64)>,
     /// What welding made, if it was asked for.
     pub(crate) welded: Option<WeldReport>,
+    /// What moves in files, if anything was asked to.
+    pub(crate) swayed: Option<Swayed>,
     pub(crate) bounds: Aabb,
     pub(crate) phases: Vec<Phase>,
     /// What somebody might not expect of the files.
@@ -84,6 +87,10 @@ impl Summary {
         if let Some(welded) = &self.welded {
             rows.push(("welded stems".to_owned(), welded.n_solids as u64));
             rows.push(("welded triangles".to_owned(), welded.n_triangles));
+        }
+        if let Some(swayed) = &self.swayed {
+            rows.push(("joints".to_owned(), swayed.n_joints as u64));
+            rows.push(("rigid joints".to_owned(), swayed.n_rigid as u64));
         }
         if let Some(toll) = &self.picture {
             rows.push(("rays".to_owned(), toll.n_rays()));
@@ -178,6 +185,7 @@ mod tests {
             components: Vec::new(),
             surfaces: Some((1_234_567, 89)),
             welded: None,
+            swayed: None,
             bounds: Aabb { min: Vec3::new(-1.5, -0.001, 0.0), max: Vec3::new(2.0, 13.25, 1.0) },
             phases: vec![
                 phase("read", 120, None),

@@ -8,3 +8,4 @@ mod program;
 mod runs;
 mod species_files;
 mod welded;
+mod wind;

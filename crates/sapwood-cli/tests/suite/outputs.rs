@@ -157,6 +157,7 @@ fn the_summary_may_be_json() {
         "prune",
         "prune_ratio",
         "range",
+        "wind",
         "components",
         "stems",
         "segments",
