@@ -294,9 +294,11 @@ fn check_outputs(arguments: &GrowArguments) -> Result<Option<Order>, Failure> {
     weld::check(arguments)?;
     let turns = arguments.turntable.turntable;
     output::refuse_clashes(&arguments.output, turns)?;
-    if arguments.tree.detail == Detail::Skeleton && arguments.range.is_some() {
+    let fades = !matches!(arguments.tree.detail, Detail::Skeleton | Detail::Segments);
+    if !fades && arguments.range.is_some() {
         return Err(Failure::usage(
-            "--range: a skeleton does not fade (accepted: with --detail full or draft)".to_owned(),
+            "--range: skeletons and segments do not fade (accepted: with --detail full or draft)"
+                .to_owned(),
         ));
     }
     let pictures = || arguments.output.iter().filter(|output| output.format() == Format::Png);
@@ -457,8 +459,13 @@ mod tests {
         assert!(
             sizes("quaking_aspen --range 60").starts_with("Quaking Aspen, seed 0, from 60 m\n")
         );
-        let error = grown("quaking_aspen --detail skeleton --range 60").unwrap_err();
-        assert!(error.contains("code: 2") && error.contains("does not fade"), "{error}");
+        for detail in ["skeleton", "segments"] {
+            let line = format!("quaking_aspen --detail {detail} --range 60");
+            let error = grown(&line).unwrap_err();
+            assert!(error.contains("code: 2") && error.contains("do not fade"), "{error}");
+        }
+        let error = grown("palm --detail segments --weld union").unwrap_err();
+        assert!(error.contains("code: 2") && error.contains("segments are open"), "{error}");
     }
 
     #[test]

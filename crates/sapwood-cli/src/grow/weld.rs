@@ -20,14 +20,21 @@ pub(super) fn check(arguments: &GrowArguments) -> Result<(), Failure> {
             output.path().display()
         )));
     }
-    if arguments.weld.is_none() || arguments.tree.detail != Detail::Skeleton {
-        return Ok(());
+    match (arguments.weld, arguments.tree.detail) {
+        (None, _) | (_, Detail::Full | Detail::Draft) | (Some(Weld::Stem), Detail::Segments) => {
+            Ok(())
+        }
+        (Some(_), Detail::Skeleton) => Err(Failure::usage(
+            "--weld: surfaces are welded, and --detail skeleton makes none (accepted: --detail \
+             full, --detail draft)"
+                .to_owned(),
+        )),
+        (Some(Weld::Union), Detail::Segments) => Err(Failure::usage(
+            "--weld union: segments are open, and solids are joined (accepted: --detail full, \
+             --detail draft)"
+                .to_owned(),
+        )),
     }
-    Err(Failure::usage(
-        "--weld: surfaces are welded, and --detail skeleton makes none (accepted: --detail full, \
-         --detail draft)"
-            .to_owned(),
-    ))
 }
 
 /// The list with each stem's segments welded to one mesh. The view must have been compiled by
@@ -49,6 +56,9 @@ pub(super) fn union(
     let mut weld = WeldUnion::new();
     scene.traverse(view, Order::Pre, &Everything, &mut |at| weld.meet(at))?;
     let n_solids = weld.n_solids();
+    if n_solids == 0 {
+        return Err(Failure::input("--weld union: nothing that was grown is solid".to_owned()));
+    }
     let goes_on = |step| watch.welded(step, n_solids).is_continue();
     weld.join(list, max_triangles, &goes_on).map_err(|error| match error {
         UnionError::Interrupted => Failure::interrupted(),
