@@ -180,7 +180,7 @@ pub(crate) struct GrowArguments {
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<Output>,
     /// What to show of the tree
-    #[arg(long, value_enum, default_value_t = View::Full, conflicts_with = "detail")]
+    #[arg(long, value_enum, default_value_t = View::Full)]
     pub(crate) view: View,
     /// Keep only what is inside of a shape: sphere:X,Y,Z,R, box:X0,Y0,Z0,X1,Y1,Z1,
     /// half-space:NX,NY,NZ,D (the side that the normal leads away from), mesh:FILE.glb or

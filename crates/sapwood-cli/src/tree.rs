@@ -48,8 +48,9 @@ pub(crate) fn planted(
         attribute.set::<EnvelopeSlot>(Some(envelope));
         attribute.set::<PruneRatioSlot>(arguments.prune_ratio.unwrap_or(1.0));
     }
-    // Branches with fewer leaves before them fade the sooner.
-    let fading = FadingParams { quality: arguments.quality, ..FadingParams::default() };
+    // Branches with fewer leaves before them fade the sooner; fans have all of theirs.
+    let quality = if species.leaves.count < 0 { 1.0 } else { species.leaves.quality };
+    let fading = FadingParams { quality, ..FadingParams::default() };
     attribute.set::<FadingSlot>(fading);
     let root = scene.add(attribute);
     match individual {

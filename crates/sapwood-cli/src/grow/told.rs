@@ -7,7 +7,7 @@ use sapwood::scene::Scene;
 
 use super::output::{self, Format, ListFormat};
 use super::{size, title};
-use crate::arguments::{GrowArguments, View};
+use crate::arguments::{Detail, GrowArguments, View};
 use crate::failure::Failure;
 use crate::tree;
 use crate::watch::Watch;
@@ -76,6 +76,7 @@ fn check(arguments: &GrowArguments) -> Result<(), Failure> {
         ));
     }
     let in_vain = [
+        (arguments.tree.detail != Detail::Full, "--detail"),
         (!arguments.cut.is_empty(), "--cut"),
         (arguments.weld.is_some(), "--weld"),
         (arguments.range.is_some(), "--range"),

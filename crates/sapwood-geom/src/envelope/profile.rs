@@ -78,7 +78,7 @@ impl Profile {
             // More than what rounding does to powers.
             if near > most * (1.0 + 1e-9) || to < base || from > top {
                 Side::Outside
-            } else if far <= least * (1.0 - 1e-9) {
+            } else if from >= base && to <= top && far <= least * (1.0 - 1e-9) {
                 Side::Inside
             } else {
                 Side::Crossing

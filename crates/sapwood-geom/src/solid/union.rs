@@ -147,13 +147,13 @@ impl Unions {
     /// in the order in which groups hold them. Solids may cross themselves and each other; what is
     /// inside any of them is inside the union. Empty solids are left out.
     ///
-    /// Corners keep their places but for those where surfaces crossed, which are moved by less than
-    /// half a millimetre for each group that they go through, nearly always by less than a
-    /// hundredth of that. The result follows from solids and groups alone, not from what was
+    /// Corners keep their places but for those where surfaces crossed, which are moved by less than a
+    /// millimetre at a time, nearly always by less than a hundredth of that. The result follows from solids and groups alone, not from what was
     /// kept, nor from the number of threads.
     ///
     /// `goes_on` is told the step every now and then, and ends the work where it answers no. Needs
-    /// about one kilobyte for each of at most `max_triangles` triangles. What was kept and is
+    /// about one kilobyte for each triangle; neither the solids nor what comes of them may have more
+    /// than `max_triangles`. What was kept and is
     /// no group here is forgotten; where the work ends early nothing is.
     ///
     /// # Errors
@@ -206,11 +206,14 @@ impl Unions {
         std::thread::scope(|scope| {
             let (token, stage, done) = (&token, &stage, &mut done);
             let (plan, steps) = (&plan, &steps);
-            let worker = scope.spawn(move || plan.run(steps, done, max_triangles, token, stage));
+            let worker = scope.spawn(move || plan.run(steps, done, token, stage));
             let mut pause = Duration::from_micros(50);
             while !worker.is_finished() {
-                std::thread::sleep(pause);
-                pause = (pause * 2).min(Duration::from_millis(20));
+                // A thread that others wait for to work lends its hands.
+                if rayon::yield_now() != Some(rayon::Yield::Executed) {
+                    std::thread::sleep(pause);
+                    pause = (pause * 2).min(Duration::from_millis(20));
+                }
                 if !goes_on(stage.step()) {
                     token.cancel();
                 }
@@ -226,6 +229,10 @@ impl Unions {
         self.kept.clear();
         self.kept.extend(kept);
         let root = done.pop().flatten().expect("the last group was joined or kept");
+        let needed = root.solid.triangles.len() as u64;
+        if needed > max_triangles {
+            return Err(UnionError::TooManyTriangles { limit: max_triangles, needed });
+        }
         Ok((root, work))
     }
 }
@@ -289,21 +296,14 @@ impl<'a> Plan<'a> {
         &self,
         steps: &[Vec<usize>],
         done: &mut [Option<Arc<Union>>],
-        max_triangles: u64,
         token: &CancelToken,
         stage: &Stage,
     ) -> Result<(), UnionError> {
         for step in steps {
             let joined: Vec<Result<Union, UnionError>> =
                 step.par_iter().map(|number| self.join(*number, done, token, stage)).collect();
-            let mut needed = 0;
             for (number, union) in step.iter().zip(joined) {
-                let union = union?;
-                needed += union.solid.triangles.len() as u64;
-                done[*number] = Some(Arc::new(union));
-            }
-            if needed > max_triangles {
-                return Err(UnionError::TooManyTriangles { limit: max_triangles, needed });
+                done[*number] = Some(Arc::new(union?));
             }
         }
         Ok(())

@@ -40,7 +40,7 @@ pub fn outline(supply: &dyn Supply, folded: &[Kind], max_entries: usize) -> Stri
                     if let Some(above) = above {
                         entries[above].n_below += 1;
                     }
-                    entries.push(Entry::new(plan.kind, above));
+                    entries.push(Entry::new(plan.kind, above, *at.world()));
                     entries.len() - 1
                 }
             };
@@ -76,6 +76,8 @@ impl Interest for UpTo {
 struct Entry {
     kind: Kind,
     above: Option<usize>,
+    /// From where it stands to the root.
+    frame: Affine3,
     /// How many entries stand right below it.
     n_below: usize,
     /// How it places, turns or otherwise treats what it holds.
@@ -94,10 +96,11 @@ struct Entry {
 }
 
 impl Entry {
-    fn new(kind: Kind, above: Option<usize>) -> Self {
+    fn new(kind: Kind, above: Option<usize>, frame: Affine3) -> Self {
         Self {
             kind,
             above,
+            frame,
             n_below: 0,
             how: Vec::new(),
             words: Vec::new(),
@@ -156,7 +159,9 @@ impl Entry {
             RenderNode::Mesh { .. } | RenderNode::Instances { .. } | RenderNode::Lines(_)
         );
         if let (true, Some(bound)) = (is_solid, plan.fragment.drawn_bound(at.index())) {
-            self.around = self.around.union(bound.aabb);
+            let here = self.frame.inverse() * *at.world();
+            let around = if here.is_finite() { bound.transformed(&here) } else { bound };
+            self.around = self.around.union(around.aabb);
         }
     }
 

@@ -137,6 +137,9 @@ impl Map {
         material: &Material,
         places: impl Iterator<Item = Affine3>,
     ) -> Result<(), Error> {
+        if let Some(why) = mesh.unsound() {
+            return Err(unwritable(kind, why));
+        }
         let mut outlines = Outlines { mesh, last: None };
         let mut borders = Vec::new();
         for place in places {
@@ -144,6 +147,12 @@ impl Map {
                 return Err(unwritable(kind, "the place of a mesh is not finite".to_owned()));
             }
             outlines.add(&place, &mut borders);
+        }
+        if !borders.iter().flatten().all(|point| point.is_finite()) {
+            return Err(unwritable(
+                kind,
+                "a corner of a mesh is not finite where it stands".into(),
+            ));
         }
         let [red, green, blue, coverage] = material.base_color;
         // What an image shows is not looked at.

@@ -433,7 +433,7 @@ fn leaf_reach(leaves: &LeafParams) -> f32 {
     }
     let (length, width) = (leaves.length().abs(), leaves.width().abs());
     // The unit leaf is one long, and half its width is the most by which it is off its midrib; what
-    // stands for it from afar may be twice as wide.
-    let tip = Vec3::new(width, 0.5 * width, length);
+    // stands for it from afar may be 1.2 times its width off that.
+    let tip = Vec3::new(1.2 * width, 0.5 * width, length);
     leaves.stem_len.abs() * length + tip.length()
 }

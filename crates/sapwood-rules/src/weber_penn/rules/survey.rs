@@ -20,6 +20,9 @@ use super::structure::{Offspring, plant};
 /// each ingredient that is missing its rule begins again.
 const AT_ONCE: usize = 32;
 
+/// Chunks of branches that one component asks for.
+const MOST_CHUNKS: usize = 128;
+
 /// Compiles a tree into its survey.
 pub(super) struct SurveyedTreeRule;
 
@@ -56,7 +59,8 @@ fn branches(
     cx: &mut Context<'_>,
     survey: &mut Survey,
 ) -> Result<(), RuleError> {
-    for seeds in seeds.chunks(AT_ONCE) {
+    // However many there are, they come in no more chunks than a component may be made of.
+    for seeds in seeds.chunks(AT_ONCE.max(seeds.len().div_ceil(MOST_CHUNKS))) {
         let seeds = Shared::new(seeds.to_vec());
         survey.extend(cx.ingredient::<Survey>(SurveyedBranches { seeds })?);
     }
