@@ -188,7 +188,7 @@ fn assert_inside(tree: &Pruned, envelope: &Envelope, what: &str) {
 
 #[test]
 fn no_segment_leaves_an_envelope_and_what_is_not_cut_stays_the_same() {
-    for name in sapwood::io::built_in_names() {
+    for name in published() {
         let mut species = built_in(name);
         species.pruning.ratio = 0.0;
         let mut n_shortened = 0;
@@ -226,7 +226,7 @@ fn stems_that_fit_stay_however_short_they_are() {
 
 #[test]
 fn the_papers_envelope_holds_the_crown() {
-    for name in sapwood::io::built_in_names() {
+    for name in published() {
         let mut species = built_in(name);
         species.pruning.ratio = 1.0;
         let crown = Crown::new(&species);

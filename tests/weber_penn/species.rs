@@ -72,7 +72,7 @@ impl Chances {
 #[test]
 fn the_cache_never_shows() {
     let mut chances = Chances(4);
-    for (name, species) in all() {
+    for (name, species) in all().into_iter().filter(|(name, _)| published().contains(name)) {
         let fresh = {
             let mut tree = planted_in(Scene::new(), &species, 5);
             digest(&tree.draw_list())

@@ -3,9 +3,17 @@
 use sapwood::geom::glam::{Affine3, Vec3};
 use sapwood::geom::{Aabb, Digest, Digester};
 use sapwood::graph::{DrawList, Everything, Order};
-use sapwood::rules::weber_penn::{Leaf, Value};
+use sapwood::rules::weber_penn::{Leaf, Origin, Value};
 use sapwood::rules::weber_penn::{Seed, Segment, Species, Stem, Tree, key};
 use sapwood::scene::{Action, Attribute, Handle, Scene, ViewId};
+
+/// The species that tests take which grow each one very often: all whose numbers were published.
+/// They have between them what the model knows; those of the library's own would only make such
+/// tests slow, and are held by the tests that grow each once or a few times.
+pub(super) fn published() -> Vec<&'static str> {
+    let is_published = |name: &&str| built_in(name).origin != Origin::Sapwood;
+    sapwood::io::built_in_names().filter(is_published).collect()
+}
 
 /// One tree below its species, with a view of the whole.
 pub(super) struct Grown {

@@ -14,20 +14,42 @@ macro_rules! built_in {
 }
 
 built_in!(
+    "agave",
     "apple",
     "balsam_fir",
     "bamboo",
+    "banana",
+    "baobab",
     "black_tupelo",
+    "blue_fescue",
+    "box_hedge",
     "ca_black_oak",
+    "coconut_palm",
+    "common_hazel",
+    "common_reed",
     "desert_bush",
     "eastern_cottonwood",
+    "english_oak",
+    "european_beech",
+    "forsythia",
+    "italian_cypress",
     "japanese_maple",
+    "joshua_tree",
+    "lavender",
     "lombardy_poplar",
+    "male_fern",
+    "norway_spruce",
+    "olive",
     "palm",
     "quaking_aspen",
+    "saguaro",
     "sassafras",
+    "scots_pine",
     "silver_birch",
     "small_pine",
+    "sugar_maple",
+    "sweet_cherry",
+    "umbrella_thorn",
     "weeping_willow",
     "wheat",
 );
@@ -77,7 +99,7 @@ mod tests {
 
     #[test]
     fn every_built_in_species_is_read_and_written_back() {
-        assert_eq!(built_in_names().len(), 16);
+        assert_eq!(built_in_names().len(), 38);
         assert!(built_in_names().is_sorted());
         for name in built_in_names() {
             let text = built_in_text(name).unwrap();

@@ -159,7 +159,8 @@ fn wrong_types_are_told_the_right_one() {
     check("notes = ['x', 7]", "stick.toml:6:15: notes takes a list of texts, not the number 7");
     check(
         "origin = 7",
-        "stick.toml:6:10: origin takes one of \"paper\", \"arbaro\", \"tree_gen\", not the number 7",
+        "stick.toml:6:10: origin takes one of \"paper\", \"arbaro\", \"tree_gen\", \"sapwood\", not \
+         the number 7",
     );
     check("[[level]]", "stick.toml:6:1: level takes a table, not a list");
     check(

@@ -17,6 +17,8 @@ pub enum Origin {
     Arbaro,
     /// The species files of tree-gen.
     TreeGen,
+    /// Nowhere else: species of the library's own, written for the paper's reading.
+    Sapwood,
 }
 
 /// Which reading of the model a species is grown by.
@@ -256,14 +258,19 @@ macro_rules! named {
         }
     };
 }
-named!(Origin { Paper => "paper", Arbaro => "arbaro", TreeGen => "tree_gen" });
+named!(Origin {
+    Paper => "paper",
+    Arbaro => "arbaro",
+    TreeGen => "tree_gen",
+    Sapwood => "sapwood",
+});
 named!(Dialect { Paper => "paper", Arbaro => "arbaro", TreeGen => "tree_gen" });
 named!(Variation { Uniform => "uniform", Normal => "normal" });
 
 impl From<Origin> for Dialect {
     fn from(origin: Origin) -> Self {
         match origin {
-            Origin::Paper => Self::Paper,
+            Origin::Paper | Origin::Sapwood => Self::Paper,
             Origin::Arbaro => Self::Arbaro,
             Origin::TreeGen => Self::TreeGen,
         }
