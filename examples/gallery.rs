@@ -19,6 +19,9 @@ mod figures;
 
 use figures::Figure;
 
+/// How much smaller pictures are on the sheet.
+const SMALLER: u32 = 6;
+
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::args_os().nth(1).map(PathBuf::from);
     let (size, samples) = if folder.is_none() { ([360, 448], 32) } else { ([48, 60], 2) };
@@ -27,11 +30,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     std::fs::create_dir_all(&folder)?;
 
     let names: Vec<String> = sapwood::io::built_in_names().map(str::to_owned).collect();
-    let sheet = Sheet::new("", &names, size.map(|pixels| pixels / 4), Paper::default());
+    let sheet = Sheet::new("", &names, size.map(|pixels| pixels / SMALLER), Paper::default());
     let mut sheet = sheet.ok_or("a sheet for so many pictures is too large")?;
     for (number, name) in (0..).zip(&names) {
         let image = drawn(&Figure::of_species(name)?, &folder, size, samples)?;
-        sheet.put(number, &quarter(&image));
+        sheet.put(number, &shrunk(&image));
     }
     let path = folder.join("species.png");
     sapwood::io::write_png(&path, sheet.image())?;
@@ -84,13 +87,15 @@ fn picture(figure: &Figure, size: [u32; 2], samples: u32) -> Result<Picture, Box
     Ok(Studio::new(&mut supply).picture(&camera, &options, &mut go_on)?)
 }
 
-/// The picture at a quarter of its size: the mean of sixteen pixels each.
-fn quarter(image: &Image) -> Image {
-    Image::from_fn(image.width / 4, image.height / 4, |x, y| {
-        let at = |i: u32| (4 * y + i / 4) * image.width + 4 * x + i % 4;
+/// The picture as it stands on the sheet: the mean of a square of pixels each.
+fn shrunk(image: &Image) -> Image {
+    const N: u32 = SMALLER * SMALLER;
+    Image::from_fn(image.width / SMALLER, image.height / SMALLER, |x, y| {
+        let row = |i: u32| SMALLER * y + i / SMALLER;
+        let at = |i: u32| row(i) * image.width + SMALLER * x + i % SMALLER;
         let mean = |channel: usize| {
-            let sum: u32 = (0..16).map(|i| u32::from(image.pixels[at(i) as usize][channel])).sum();
-            (sum / 16) as u8
+            let sum: u32 = (0..N).map(|i| u32::from(image.pixels[at(i) as usize][channel])).sum();
+            (sum / N) as u8
         };
         [0, 1, 2, 3].map(mean)
     })
