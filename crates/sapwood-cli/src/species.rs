@@ -61,7 +61,7 @@ mod tests {
     #[test]
     fn all_species_are_listed() {
         let listed = sapwood(&["species", "list"]).unwrap();
-        assert_eq!(listed.lines().count(), 16);
+        assert_eq!(listed.lines().count(), 38);
         let aspen = listed.lines().find(|line| line.starts_with("quaking_aspen")).unwrap();
         assert!(aspen.contains("Quaking Aspen") && aspen.contains("13 +- 3 m"), "{aspen}");
         assert_eq!(sapwood(&["species"]).unwrap(), listed);
