@@ -8,7 +8,7 @@
 use std::cell::Cell;
 use std::collections::BTreeMap;
 
-use sapwood_geom::glam::{Affine3, Quat, Vec3};
+use sapwood_geom::glam::{Affine3, Mat3, Quat, Vec3};
 use sapwood_geom::{Aabb, FixedMap, fixed_state};
 
 use crate::{
@@ -248,6 +248,11 @@ fn placing(place: &Affine3) -> Option<String> {
     if at != Vec3::ZERO {
         words.push(format!("at ({})", point(at)));
     }
+    if place.matrix3 == Mat3::ZERO {
+        // Which has no turn.
+        words.push("scaled by 0".to_owned());
+        return Some(words.join(", "));
+    }
     let again = Affine3::from_scale_rotation_translation(scale, turn, at);
     let slack = 1e-4 * (1.0 + place.matrix3.x_axis.abs().max_element());
     if !again.matrix3.abs_diff_eq(place.matrix3, slack) {
@@ -342,7 +347,6 @@ fn grouped(n: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sapwood_geom::glam::Mat3;
 
     #[test]
     fn transforms_in_words() {
