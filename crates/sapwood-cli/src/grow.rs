@@ -29,8 +29,8 @@ use crate::watch::Watch;
 
 pub(crate) use output::Output;
 use output::{Drawn, Format, ListFormat};
+pub(crate) use summary::size;
 use summary::{Census, Phase, Summary};
-pub(crate) use summary::{grouped, size};
 pub(crate) use wind::WindArguments;
 
 /// Grows a tree; what is at fault is found in this order: arguments, species, compiling, files.

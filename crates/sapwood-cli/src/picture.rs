@@ -12,6 +12,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use sapwood::geom::Aabb;
+use sapwood::graph::grouped;
 use sapwood::io::{FileSet, ReadLimits};
 use sapwood::scene::{Scene, ViewId};
 use serde::Serialize;
@@ -23,7 +24,7 @@ pub(crate) use target::{check_targets, names};
 
 use crate::arguments::PictureCommand;
 use crate::failure::Failure;
-use crate::grow::{grouped, size};
+use crate::grow::size;
 use crate::watch::Watch;
 
 /// Components that cannot be compiled and are told of; more would drown the first.

@@ -10,6 +10,10 @@ mod dress;
 #[cfg(feature = "union")]
 mod mend;
 #[cfg(feature = "union")]
+mod plan;
+#[cfg(feature = "union")]
+mod table;
+#[cfg(feature = "union")]
 mod union;
 
 pub use check::SolidReport;

@@ -8,6 +8,7 @@
 mod camera;
 mod facing;
 mod fading;
+mod figures;
 mod fragment;
 mod handlers;
 mod interfaces;
@@ -27,6 +28,7 @@ mod wind;
 pub use camera::{Camera, Lens};
 pub use facing::{Eye, Facing};
 pub use fading::{DrawRange, Fading, FadingAbove, Falloff, Stretch, even_order, n_drawn};
+pub use figures::grouped;
 pub use fragment::{Fragment, FragmentBuilder, RenderNode, Run, Shown};
 pub use handlers::{Fallbacks, Handlers};
 pub use interfaces::{Interfaces, Offers};

@@ -121,17 +121,6 @@ impl PlacedCamera {
         Eye { position: self.world.translation, up, rows_per_degree: Eye::REFERENCE_ROWS }
     }
 
-    /// As [`eye`](Self::eye), for a picture with so many rows of pixels: the more rows there are for
-    /// each degree of the field of view, the later things fade. A camera without perspective sees
-    /// as finely as the reference.
-    pub fn eye_for(&self, rows: u32) -> Eye {
-        let rows_per_degree = match self.camera.lens {
-            Lens::Perspective { vertical_angle } => rows as f32 / vertical_angle.to_degrees(),
-            Lens::Orthographic { .. } => Eye::REFERENCE_ROWS,
-        };
-        Eye { rows_per_degree, ..self.eye() }
-    }
-
     /// What is wrong with the camera, in words, or nothing.
     pub fn fault(&self) -> Option<String> {
         if let Some(fault) = self.camera.fault() {

@@ -4,7 +4,7 @@ use std::fmt;
 use std::time::Duration;
 
 use sapwood::geom::Aabb;
-use sapwood::graph::{Everything, Handlers, Kind, Order, WeldReport};
+use sapwood::graph::{Everything, Handlers, Kind, Order, WeldReport, grouped};
 use sapwood::io::Swayed;
 use sapwood::rules::weber_penn::{Leaf, Segment, Stem};
 use sapwood::scene::{Scene, ViewError, ViewId};
@@ -144,19 +144,6 @@ fn metres(x: f32) -> String {
     if text == "-0.00" { "0.00".to_owned() } else { text }
 }
 
-/// A number with its thousands apart.
-pub(crate) fn grouped(n: u64) -> String {
-    let digits = n.to_string();
-    let mut text = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
-}
-
 /// A file's size in the unit that suits it.
 pub(crate) fn size(bytes: u64) -> String {
     match bytes {
@@ -236,7 +223,6 @@ quaking_aspen.glb    25.0 ms    12.3 MB
 
     #[test]
     fn numbers_are_easy_to_read() {
-        assert_eq!([0, 999, 1000, 50_000_000].map(grouped), ["0", "999", "1,000", "50,000,000"]);
         assert_eq!([0, 999, 1500, 2_340_000].map(size), ["0 B", "999 B", "1.5 kB", "2.3 MB"]);
     }
 }

@@ -13,7 +13,7 @@ use manifold_rust::types::{Error, MeshGL64, OpType, WindingRule};
 use rayon::prelude::*;
 
 use super::mend::mend;
-use super::union::Stage;
+use super::plan::Stage;
 use super::{Solid, SolidReport, Union, UnionError};
 
 /// Small bodies that are joined in one go: first those that lie apart, without cutting anything.

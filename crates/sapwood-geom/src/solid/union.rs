@@ -3,13 +3,11 @@
 
 use std::fmt;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 use manifold_rust::cancel::CancelToken;
-use rayon::prelude::*;
 
-use super::boolean::{Part, join};
+use super::plan::{Plan, Stage};
 use super::{Mended, Solid, SolidReport};
 use crate::{Content, Digest, Digester, FixedMap, fixed_state};
 
@@ -234,125 +232,6 @@ impl Unions {
             return Err(UnionError::TooManyTriangles { limit: max_triangles, needed });
         }
         Ok((root, work))
-    }
-}
-
-/// What is to be joined in which order.
-struct Plan<'a> {
-    solids: &'a [Solid],
-    groups: &'a [Vec<Member>],
-    /// Of each group the number of its first solid.
-    firsts: Vec<u32>,
-    heights: Vec<usize>,
-    digests: Vec<Digest>,
-}
-
-impl<'a> Plan<'a> {
-    fn new(solids: &'a [Solid], groups: &'a [Vec<Member>]) -> Self {
-        let of_solids: Vec<Digest> = solids.par_iter().map(Digest::of).collect();
-        let mut plan = Plan {
-            solids,
-            groups,
-            firsts: vec![u32::MAX; groups.len()],
-            heights: vec![0; groups.len()],
-            digests: Vec::with_capacity(groups.len()),
-        };
-        let mut ends = vec![0; groups.len()];
-        for (number, members) in groups.iter().enumerate() {
-            let mut digester = Digester::new();
-            // The whole is checked more than what is joined further.
-            digester.add(&(number + 1 == groups.len())).add(&members.len());
-            let mut next = None;
-            for member in members {
-                let (first, end) = match member {
-                    Member::Solid(solid) => {
-                        digester.add(&of_solids[*solid as usize]);
-                        (*solid, *solid + 1)
-                    }
-                    Member::Group(below) => {
-                        let below = *below as usize;
-                        assert!(below < number, "groups stand before those that hold them");
-                        digester.add(&plan.digests[below]);
-                        plan.heights[number] = plan.heights[number].max(plan.heights[below] + 1);
-                        (plan.firsts[below], ends[below])
-                    }
-                };
-                assert!(next.is_none_or(|next| next == first), "solids come in order");
-                plan.firsts[number] = plan.firsts[number].min(first);
-                next = Some(end);
-            }
-            ends[number] = next.unwrap_or(0);
-            plan.digests.push(digester.finish());
-        }
-        let (first, end) = (plan.firsts.last(), ends.last());
-        let is_all =
-            end == Some(&(solids.len() as u32)) && (solids.is_empty() || first == Some(&0));
-        assert!(is_all, "the last group holds all solids");
-        plan
-    }
-
-    /// Joins groups of one height after the other, those of a height side by side.
-    fn run(
-        &self,
-        steps: &[Vec<usize>],
-        done: &mut [Option<Arc<Union>>],
-        token: &CancelToken,
-        stage: &Stage,
-    ) -> Result<(), UnionError> {
-        for step in steps {
-            let joined: Vec<Result<Union, UnionError>> =
-                step.par_iter().map(|number| self.join(*number, done, token, stage)).collect();
-            for (number, union) in step.iter().zip(joined) {
-                done[*number] = Some(Arc::new(union?));
-            }
-        }
-        Ok(())
-    }
-
-    fn join(
-        &self,
-        number: usize,
-        done: &[Option<Arc<Union>>],
-        token: &CancelToken,
-        stage: &Stage,
-    ) -> Result<Union, UnionError> {
-        let members = &self.groups[number];
-        let parts = members.iter().filter_map(|member| match member {
-            Member::Solid(solid) => Some(Part::Solid(*solid, &self.solids[*solid as usize])),
-            Member::Group(below) => {
-                let below = *below as usize;
-                Some(Part::Union(self.firsts[below], done[below].as_deref()?))
-            }
-        });
-        let parts: Vec<Part<'_>> = parts.collect();
-        let is_whole = number + 1 == self.groups.len();
-        join(&parts, self.firsts[number], is_whole, token, stage)
-    }
-}
-
-/// How far the work has come, for whoever looks on.
-#[derive(Default)]
-pub(super) struct Stage {
-    checked: AtomicUsize,
-    joined: AtomicUsize,
-}
-
-impl Stage {
-    /// Notes that one more part was looked at.
-    pub(super) fn checked(&self) {
-        self.checked.fetch_add(1, Ordering::Relaxed);
-    }
-
-    /// Notes that so many more parts were joined.
-    pub(super) fn joined(&self, n: usize) {
-        self.joined.fetch_add(n, Ordering::Relaxed);
-    }
-
-    fn step(&self) -> UnionStep {
-        match self.joined.load(Ordering::Relaxed) {
-            0 => UnionStep::Checked { parts: self.checked.load(Ordering::Relaxed) },
-            parts => UnionStep::Joined { parts },
-        }
     }
 }
 

@@ -5,15 +5,14 @@
 //! shared is written out at every place, so that the text tells what is there and not how it
 //! happens to be stored.
 
-use std::cell::Cell;
 use std::fmt::Write as _;
 
 use sapwood_geom::glam::{Affine3, Vec3};
 use sapwood_geom::{FixedMap, fixed_state};
 
+use super::up_to::UpTo;
 use crate::{
-    Approach, At, Facing, Interest, Lens, Light, LightShape, Order, RenderNode, SiteId, Supplied,
-    Supply, walk,
+    At, Facing, Lens, Light, LightShape, Order, RenderNode, SiteId, Supplied, Supply, walk,
 };
 
 /// Everything below the root as text, at most `max_lines` lines and a note where more is left.
@@ -23,16 +22,16 @@ pub fn dump(supply: &dyn Supply, max_lines: usize) -> String {
     let mut text = String::new();
     let mut n_lines = 0;
     let (_, root) = supply.root();
-    let interest = UpTo { is_full: Cell::new(false) };
+    let interest = UpTo::default();
     walk(supply, Order::Pre, &interest, &mut |at| {
         // The root is a place to hold the view's component; it and its one deferred node are
         // not part of the picture.
-        if at.site() == root || interest.is_full.get() {
+        if at.site() == root || interest.is_full() {
             return;
         }
         if let Some(line) = line(at) {
             if n_lines == max_lines {
-                interest.is_full.set(true);
+                interest.fill();
                 return;
             }
             n_lines += 1;
@@ -43,25 +42,10 @@ pub fn dump(supply: &dyn Supply, max_lines: usize) -> String {
             text.push('\n');
         }
     });
-    if interest.is_full.get() {
+    if interest.is_full() {
         let _ = writeln!(text, "... {} lines more", n_all_lines(supply) - n_lines as u64);
     }
     text
-}
-
-/// The interest in everything until enough was written.
-struct UpTo {
-    is_full: Cell<bool>,
-}
-
-impl Interest for UpTo {
-    type State = ();
-
-    fn start(&self) {}
-
-    fn enter(&self, (): &(), _: &Approach<'_>) -> Option<()> {
-        (!self.is_full.get()).then_some(())
-    }
 }
 
 /// How many lines the whole text would have; saturates.

@@ -14,6 +14,7 @@ mod rigged;
 #[cfg(feature = "simplify")]
 mod simplify;
 mod smooth;
+mod up_to;
 mod verify;
 #[cfg(feature = "union")]
 mod weld;

@@ -5,15 +5,15 @@
 //! of others it is told what they draw. [`dump`](crate::dump) is for whoever writes rules, this is
 //! for whoever wants to know what is there.
 
-use std::cell::Cell;
 use std::collections::BTreeMap;
 
 use sapwood_geom::glam::{Affine3, Mat3, Quat, Vec3};
 use sapwood_geom::{Aabb, FixedMap, fixed_state};
 
+use super::up_to::UpTo;
 use crate::{
-    Approach, At, Camera, Diagnostic, Facing, Interest, Kind, Label, Lens, Light, LightShape,
-    Order, RenderNode, Supplied, Supply, walk,
+    At, Camera, Diagnostic, Facing, Kind, Label, Lens, Light, LightShape, Order, RenderNode,
+    Supplied, Supply, grouped, walk,
 };
 
 /// Everything below the root as an outline, of at most `max_entries` components and a note where
@@ -21,12 +21,12 @@ use crate::{
 /// hold several.
 pub fn outline(supply: &dyn Supply, folded: &[Kind], max_entries: usize) -> String {
     let (_, root) = supply.root();
-    let interest = UpTo { is_full: Cell::new(false) };
+    let interest = UpTo::default();
     let mut entries: Vec<Entry> = Vec::new();
     // By the number of the path to a plan, the entry that it is told in.
     let mut told_in: FixedMap<u32, usize> = FixedMap::with_hasher(fixed_state());
     walk(supply, Order::Pre, &interest, &mut |at| {
-        if at.site() == root || interest.is_full.get() {
+        if at.site() == root || interest.is_full() {
             return;
         }
         let path = at.path();
@@ -35,7 +35,7 @@ pub fn outline(supply: &dyn Supply, folded: &[Kind], max_entries: usize) -> Stri
             let plan = at.plan();
             let entry = match above.filter(|_| !plan.authored) {
                 Some(entry) => entry,
-                None if entries.len() == max_entries => return interest.is_full.set(true),
+                None if entries.len() == max_entries => return interest.fill(),
                 None => {
                     if let Some(above) = above {
                         entries[above].n_below += 1;
@@ -51,25 +51,10 @@ pub fn outline(supply: &dyn Supply, folded: &[Kind], max_entries: usize) -> Stri
         }
     });
     let mut text = written(&entries, folded);
-    if interest.is_full.get() {
+    if interest.is_full() {
         text.push_str("... and more\n");
     }
     text
-}
-
-/// The interest in everything until enough was told.
-struct UpTo {
-    is_full: Cell<bool>,
-}
-
-impl Interest for UpTo {
-    type State = ();
-
-    fn start(&self) {}
-
-    fn enter(&self, (): &(), _: &Approach<'_>) -> Option<()> {
-        (!self.is_full.get()).then_some(())
-    }
 }
 
 /// A component that somebody placed, with what its rule and the rules below it made.
@@ -331,19 +316,6 @@ fn number(x: f32) -> String {
     format!("{}", if rounded == 0.0 { 0.0 } else { rounded })
 }
 
-/// A number with its thousands apart.
-fn grouped(n: u64) -> String {
-    let digits = n.to_string();
-    let mut text = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -370,6 +342,5 @@ mod tests {
             [0.0, -0.001, 0.0123, 1.0, 12.345].map(number),
             ["0", "-0.001", "0.0123", "1", "12.35"]
         );
-        assert_eq!([0, 999, 1000].map(grouped), ["0", "999", "1,000"]);
     }
 }

@@ -1,18 +1,15 @@
 //! The context of `init`: what a rule reads from and builds with. How it comes by ingredients stands
-//! in `ingredient.rs`.
+//! in `ingredient.rs`, what it draws with in `drawing.rs`.
 
+mod drawing;
 mod ingredient;
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
 
-use sapwood_geom::glam::Affine3;
-use sapwood_geom::{Bound, Digest, Polyline, Shared, SharedMesh};
-use sapwood_graph::{
-    Camera, Diagnostic, Facing, Fading, Fragment, FragmentBuilder, Interrupted, Kind, Label, Light,
-    Material, Part, Parts, Rig, Shown,
-};
+use sapwood_geom::{Bound, Digest};
+use sapwood_graph::{Diagnostic, Fragment, FragmentBuilder, Interrupted, Kind, Part, Parts};
 use smallvec::SmallVec;
 
 use super::{
@@ -20,7 +17,7 @@ use super::{
     forced_digest,
 };
 use crate::semantic::{AnyComponent, Graph};
-use crate::slots::{Memory, PANICKED, Placement, ProjectionKey, SlotKey, SlotReader, SlotValue};
+use crate::slots::{Memory, PANICKED, ProjectionKey, SlotKey, SlotReader, SlotValue};
 use crate::{Component, Held, NodeId, Projection, PushMode, Slot};
 
 /// "Below no push" in links and scopes.
@@ -240,7 +237,7 @@ impl<'a> Context<'a> {
 
     fn record(&mut self, read: Read) {
         #[cfg(feature = "planted-faults")]
-        if self.limits.drops_reads && read.key.name() == Placement::NAME {
+        if self.limits.drops_reads && read.key.name() == crate::Placement::NAME {
             return;
         }
         if !self.draft.reads.iter().any(|known| known.key.asks_same(&read.key)) {
@@ -313,56 +310,6 @@ impl<'a> Context<'a> {
         self.draft.links.push(DraftLink { target, key, scope: self.scope });
     }
 
-    /// Places whatever `inside` adds.
-    pub fn transform(&mut self, transform: Affine3, inside: impl FnOnce(&mut Self)) {
-        self.fragment.open_transform(transform);
-        self.push::<Placement>(transform, inside);
-        self.fragment.close();
-    }
-
-    /// Places whatever `inside` adds by a live value that the rule's `visit` keeps up to date,
-    /// and tells the value's number. Placement does not include it: live values move.
-    pub fn live(&mut self, inside: impl FnOnce(&mut Self)) -> u32 {
-        let live = self.fragment.open_live();
-        inside(self);
-        self.fragment.close();
-        live
-    }
-
-    /// Turns whatever `inside` adds to the eye. Placement does not include the turn: it follows
-    /// the eye.
-    pub fn facing(&mut self, facing: Facing, inside: impl FnOnce(&mut Self)) {
-        self.fragment.open_facing(facing);
-        inside(self);
-        self.fragment.close();
-    }
-
-    /// Has less drawn, further from the eye, of what `inside` draws: of each mesh, of instances and
-    /// of lines as if nothing else were there. What it emits is not concerned.
-    pub fn fading(&mut self, fading: Fading, inside: impl FnOnce(&mut Self)) {
-        self.fragment.open_fading(fading);
-        inside(self);
-        self.fragment.close();
-    }
-
-    /// Has meshes and instances that `inside` draws sway with joints of a rig: those that
-    /// [follow](Self::follows) some. What it emits is not concerned.
-    pub fn swaying(&mut self, rig: Shared<Rig>, inside: impl FnOnce(&mut Self)) {
-        self.fragment.open_swaying(rig);
-        inside(self);
-        self.fragment.close();
-    }
-
-    /// Tells for each vertex of the mesh added last, or for each of the instances, which joint it
-    /// follows, of the rig that it [sways](Self::swaying) by. Bounds grow to hold it in any wind.
-    ///
-    /// # Panics
-    /// Where nothing of the kind was added last, numbers differ, or there is no such joint; the
-    /// component becomes an error then.
-    pub fn follows(&mut self, joints: Shared<Vec<u32>>) {
-        self.fragment.follows(joints);
-    }
-
     /// Sets a slot for whatever `inside` adds.
     pub fn push<S: Slot<Rate = Held>>(&mut self, value: S::Value, inside: impl FnOnce(&mut Self)) {
         self.push_as::<S>(PushMode::Normal, value, inside);
@@ -390,59 +337,6 @@ impl<'a> Context<'a> {
         self.draft.scopes.push(Scope { outer, slot, mode, value });
         inside(self);
         self.scope = outer;
-    }
-
-    /// Adds a mesh. The component becomes an error where it is not [sound](SharedMesh::unsound).
-    pub fn mesh(&mut self, mesh: SharedMesh, material: Arc<Material>) {
-        self.check_sound(&mesh);
-        self.fragment.mesh(mesh, material);
-    }
-
-    /// Adds a mesh repeated at each of `transforms`. The component becomes an error where the mesh
-    /// is not [sound](SharedMesh::unsound).
-    pub fn instances(
-        &mut self,
-        mesh: SharedMesh,
-        material: Arc<Material>,
-        transforms: Shared<Vec<Affine3>>,
-    ) {
-        self.check_sound(&mesh);
-        self.fragment.instances(mesh, material, transforms);
-    }
-
-    fn check_sound(&mut self, mesh: &SharedMesh) {
-        if self.unsound.is_none() {
-            self.unsound = mesh.unsound().map(|why| format!("mesh: {why}"));
-        }
-    }
-
-    /// Adds lines.
-    pub fn lines(&mut self, lines: Shared<Vec<Polyline>>) {
-        self.fragment.lines(lines);
-    }
-
-    /// Tells which parts the mesh, the instances or the lines added last show, so that picking
-    /// finds them.
-    ///
-    /// # Panics
-    /// When something else was added last; the component becomes an error then.
-    pub fn shows(&mut self, shown: Shown) {
-        self.fragment.shows(shown);
-    }
-
-    /// Adds a light.
-    pub fn light(&mut self, light: Light) {
-        self.fragment.light(light);
-    }
-
-    /// Adds a camera.
-    pub fn camera(&mut self, camera: Camera) {
-        self.fragment.camera(camera);
-    }
-
-    /// Adds a line of text.
-    pub fn label(&mut self, label: Label) {
-        self.fragment.label(label);
     }
 
     /// Adds the component's parts of type `P`: rows that traversals count and hand to whoever

@@ -8,6 +8,7 @@ mod damage;
 mod features;
 mod hostile;
 mod images;
+mod materials;
 mod places;
 mod round_trip;
 mod trees;

@@ -4,7 +4,7 @@
 //! as well as read.
 
 use glam::{Affine3, Vec2, Vec3};
-use sapwood_graph::Label;
+use sapwood_graph::{Label, grouped};
 use sapwood_scene::{Context, Rule, RuleError};
 
 use super::super::slots::SpeciesNameSlot;
@@ -135,19 +135,6 @@ pub(super) fn metres(length: f32) -> String {
 /// A number of things, by one name or the other.
 fn counted(n: u64, one: &str, many: &str) -> String {
     format!("{} {}", grouped(n), if n == 1 { one } else { many })
-}
-
-/// A number with its thousands apart.
-fn grouped(n: u64) -> String {
-    let digits = n.to_string();
-    let mut text = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
 }
 
 #[cfg(test)]
