@@ -53,7 +53,7 @@ pub use sweep::{
     Around, Cap, Fork, Forking, Ring, RingPlane, Sweep, SweepOptions, SweepStart, Swept, Written,
 };
 pub use triangle_pack::TrianglePack;
-pub use trig::{atan2, sin_cos};
+pub use trig::{atan2, atan2_4, sin_cos, sin_cos_4};
 pub use weld::{Pieces, Rim, VertexIdentity};
 
 /// The maths library in the version that Sapwood is built with.

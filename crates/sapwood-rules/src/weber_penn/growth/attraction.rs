@@ -11,7 +11,7 @@ use crate::weber_penn::Crown;
 use crate::weber_penn::{Dialect, Target};
 
 // Below this sine two directions count as parallel, and there is no axis to turn about.
-const PARALLEL: f32 = 1e-6;
+pub(super) const PARALLEL: f32 = 1e-6;
 
 /// What turns the segments of a stem; all but tropism act in equal parts over its segments.
 #[derive(Clone, Copy)]

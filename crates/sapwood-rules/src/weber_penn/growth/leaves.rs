@@ -2,11 +2,11 @@
 
 use std::f32::consts::TAU;
 
-use glam::{Affine3, Vec3};
-use sapwood_geom::{Purpose, atan2};
+use glam::Affine3;
+use sapwood_geom::Purpose;
 
-use super::attraction::turned_toward;
 use super::frame::Frame;
+use super::leaf_turns::{LeafTurns, Unturned};
 use super::placement::{Grouping, Places, Turn, Turns, down_angle, fan_angle};
 use super::shape_ratio::shape_ratio;
 use super::stem::{Leaf, Stem, Stems};
@@ -23,13 +23,6 @@ pub struct LeafPlaces {
     pub places: Vec<Affine3>,
     /// The stem it grows on, an index into [`Stems::stems`].
     pub stems: Vec<u32>,
-}
-
-impl LeafPlaces {
-    fn push(&mut self, frame: Frame, size: f32, stem: usize) {
-        self.places.push(Affine3::from_mat3_translation(frame.axes * size, frame.origin));
-        self.stems.push(stem as u32);
-    }
 }
 
 /// The leaves of `stems`: [`leaf_places`] with everything that makes leaves long and wide.
@@ -82,16 +75,20 @@ pub fn leaf_places<E>(
     let mut turns = Turns::new(stems);
     let tree_gen = crown.dialect == Dialect::TreeGen;
     let grouping = Grouping::new(params.grouping, 1.0);
+    let is_scattered = matches!(target, LeafTarget::Scattered);
+    let mut unturned = LeafTurns::new(params, target);
     for (index, stem) in stems.stems.iter().enumerate() {
         let size = relative_size(stem.seed.scale_tree, crown);
         let draws = |purpose| Draws::new(stem.seed.path, Purpose(purpose), crown.variation);
         let mut rotations = draws("leaf rotation");
         let mut down_angles = draws("leaf down angle");
-        let mut facing = Facing { params, target, rolls: draws("leaf roll") };
-        let mut turned = |offset, frame: Frame| {
+        let mut rolls = draws("leaf roll");
+        let mut add = |offset, frame: Frame, round: f32, leaves: &mut LeafPlaces| {
             let LeafParams { down_angle: down, down_angle_v: down_v, .. } = *params;
             let down = down_angle(down, down_v, stem, offset, crown.dialect, &mut down_angles);
-            facing.turned(frame.turned_x(down))
+            let roll = if is_scattered { rolls.between(0.0, TAU) } else { 0.0 };
+            leaves.stems.push(index as u32);
+            unturned.add(Unturned { frame, round, down, roll, size }, &mut leaves.places);
         };
         if params.count < 0 {
             let count = params.count.unsigned_abs() as usize;
@@ -99,7 +96,7 @@ pub fn leaf_places<E>(
             let tip = stems.frame_at(index, stem.seed.length);
             for i in 0..count {
                 let angle = fan_angle(i, count, params.rotate, params.rotate_v, &mut rotations);
-                leaves.push(turned(stem.seed.length, tip.turned_y(angle)), size, index);
+                add(stem.seed.length, tip.turned_y(angle), 0.0, &mut leaves);
             }
             continue;
         }
@@ -123,12 +120,12 @@ pub fn leaf_places<E>(
                 let (offset, step) = places.at(slots, i);
                 let angle = turn.next(step, params.rotate, params.rotate_v, &mut rotations);
                 let center = stems.center_in(index, segment, offset);
-                let frame = turned(offset, segment.frame.at(center).turned_z(angle));
-                leaves.push(frame, size, index);
+                add(offset, segment.frame.at(center), angle, &mut leaves);
             }
             turns.note(at, turn);
         }
     }
+    unturned.finish(&mut leaves.places);
     Ok(leaves)
 }
 
@@ -170,83 +167,4 @@ pub(crate) fn n_leaves(stem: &Stem, crown: &Crown, params: &LeafParams) -> f32 {
         Dialect::TreeGen | Dialect::Paper | Dialect::Arbaro => 1.0,
     };
     params.count.max(0) as f32 * ratio * relative * params.quality
-}
-
-/// Turns leaves toward the light.
-struct Facing<'a> {
-    params: &'a LeafParams,
-    target: &'a LeafTarget,
-    rolls: Draws,
-}
-
-impl Facing<'_> {
-    fn turned(&mut self, frame: Frame) -> Frame {
-        let attraction = self.params.attraction;
-        let toward = |to: Vec3| match attraction {
-            0.0 => frame,
-            _ => turned_toward(frame, frame.axes.y_axis, to.normalize_or_zero(), |angle| {
-                attraction * angle
-            }),
-        };
-        match *self.target {
-            LeafTarget::Outward => bent(frame, self.params.bend),
-            LeafTarget::Direction(direction) => toward(direction),
-            LeafTarget::Point(point) => toward(point - frame.origin),
-            LeafTarget::Scattered => frame.turned_z(self.rolls.between(0.0, TAU)),
-        }
-    }
-}
-
-/// A leaf's frame bent outward from the tree's axis, then up, by the share `b` of the angles.
-///
-/// The paper's second turn is written with an angle it does not define there; this is its
-/// intent, a turn of the normal toward the sky about a horizontal axis.
-fn bent(frame: Frame, b: f32) -> Frame {
-    if b == 0.0 {
-        return frame;
-    }
-    let (p, n) = (frame.origin, frame.axes.y_axis);
-    // The angle from n to p about tree z, in (-180, 180] degrees.
-    let theta = atan2(n.x * p.y - n.y * p.x, n.x * p.x + n.y * p.y);
-    let frame = if theta != 0.0 { frame.turned_about_tree_z(b * theta) } else { frame };
-    turned_toward(frame, frame.axes.y_axis, Vec3::Z, |phi| b * phi)
-}
-
-#[cfg(test)]
-mod tests {
-    use std::f32::consts::FRAC_PI_2;
-
-    use super::*;
-
-    fn azimuth(v: Vec3) -> f32 {
-        libm::atan2f(v.y, v.x)
-    }
-
-    #[test]
-    fn bend_closes_its_share_of_the_angle_outward_and_of_the_angle_to_the_sky() {
-        for (roll, azimuth_of_place) in [(0.3, 1.0), (2.0, -3.0), (-1.0, 2.5)] {
-            let place = Vec3::new(libm::cosf(azimuth_of_place), libm::sinf(azimuth_of_place), 2.0);
-            let leaf = Frame::IDENTITY.at(place).turned_z(roll).turned_x(0.8);
-            let turned = bent(leaf, 0.25);
-            let wrap = |a: f32| a - TAU * (a / TAU).round();
-            let (before, after) = (azimuth(leaf.axes.y_axis), azimuth(turned.axes.y_axis));
-            let theta = wrap(azimuth_of_place - before);
-            assert!(wrap(after - before - 0.25 * theta).abs() < 1e-5);
-            let (before, after) = (leaf.axes.y_axis.z.acos(), turned.axes.y_axis.z.acos());
-            assert!((after - 0.75 * before).abs() < 1e-5);
-        }
-    }
-
-    #[test]
-    fn a_bend_of_1_turns_hanging_leaves_up_too() {
-        let hanging = Frame::IDENTITY.at(Vec3::X).turned_x(FRAC_PI_2 + 1.0);
-        assert!((bent(hanging, 1.0).axes.y_axis.z - 1.0).abs() < 1e-6);
-    }
-
-    #[test]
-    fn leaves_on_the_axis_and_level_leaves_are_no_trouble() {
-        for frame in [Frame::IDENTITY, Frame::IDENTITY.turned_x(FRAC_PI_2)] {
-            assert!(bent(frame, 0.7).axes.is_finite());
-        }
-    }
 }

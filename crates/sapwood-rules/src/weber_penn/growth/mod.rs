@@ -11,6 +11,7 @@ mod curve;
 mod fit;
 mod frame;
 mod grow;
+mod leaf_turns;
 mod leaves;
 mod placement;
 mod reach;
