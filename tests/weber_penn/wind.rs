@@ -2,7 +2,7 @@
 //! them, and only what can be seen moves.
 
 use sapwood::geom::glam::{Affine3, Vec3};
-use sapwood::graph::{DrawList, Eye, Moved, Poses, Wind};
+use sapwood::graph::{DrawList, Eye, Levels, Moved, Poses, Wind};
 use sapwood::rules::weber_penn::{Seed, Species, SwayParams, SwaySlot, Tree};
 use sapwood::scene::{Action, Group, Time, Transform, ViewId, Viewer, WindSlot};
 
@@ -195,7 +195,7 @@ fn individuals_share_a_pose_and_others_have_their_own() {
     scene.set_moving::<Viewer>(view, Some(Eye::new(Vec3::X * 30.0))).unwrap();
     let list = scene.draw_list(view, 1000).unwrap();
     assert_eq!((list.bodies.len(), list.occurrences.len()), (2, 4));
-    let mut poses = Poses::new(&list);
+    let mut poses = Poses::new(&list).in_phases(1);
     let moved = scene.sway(view, &mut poses).unwrap();
     let [near, other, again, far] = [0, 1, 2, 3].map(|i| poses.of(i).unwrap());
     assert_eq!(near.as_ptr(), again.as_ptr());
@@ -206,6 +206,41 @@ fn individuals_share_a_pose_and_others_have_their_own() {
     let posed = poses.posed(&list);
     let bodies: Vec<u32> = posed.occurrences.iter().map(|occurrence| occurrence.body).collect();
     assert_eq!((bodies, posed.bodies.len()), (vec![0, 1, 0, 2], 3));
+}
+
+#[test]
+fn equal_trees_side_by_side_are_in_different_phases() {
+    let mut scene = checked_scene();
+    let family = scene.add(sapling().attribute());
+    let all = scene.add_to(family, Group).unwrap();
+    let tree = scene.add(Tree { seed: Seed::Explicit(1) });
+    for i in 0..12u8 {
+        let (x, z) = (6.0 * f32::from(i % 4), 6.0 * f32::from(i / 4));
+        let place = scene.add_to(all, Transform::translation(x, 0.0, z)).unwrap();
+        scene.append(place, tree).unwrap();
+    }
+    let view = scene.open_view(family, &sapwood::swaying_rules()).unwrap();
+    let list = scene.draw_list(view, 1000).unwrap();
+    let mut poses = Poses::new(&list);
+    let wind = Wind::new(3.0, 0.0);
+    let moved = poses.update(wind, 5.0, None);
+    // The first stands at the origin, where the rig says itself what is when.
+    let rig = list.bodies[0].rig.as_ref().unwrap();
+    let mut alone = Vec::new();
+    rig.pose(wind, 5.0, Levels::ALL, &mut alone);
+    assert_eq!(poses.of(0).unwrap(), alone);
+    let phase = |i: usize| poses.of(i).unwrap().as_ptr();
+    let mut phases: Vec<_> = (0..12).map(phase).collect();
+    for i in 0..12 {
+        let is_alike = |other: usize| phase(i) == phase(other);
+        assert!(i % 4 == 3 || !is_alike(i + 1), "{i} sways with the next");
+    }
+    phases.sort_unstable();
+    phases.dedup();
+    assert_eq!((phases.len(), poses.posed(&list).bodies.len()), (4, 4));
+    let mut one = Poses::new(&list).in_phases(0);
+    assert_eq!(one.update(wind, 5.0, None).n_joints * 4, moved.n_joints);
+    assert_eq!(one.posed(&list).bodies.len(), 1);
 }
 
 #[test]

@@ -2,7 +2,8 @@
 //!
 //! The list stands at rest and is made once. From one picture to the next only numbers move: a
 //! transform for each joint of each body, which vertices and instances follow. Occurrences of one
-//! body share them, so a forest of a few individuals costs what these cost. A level whose sway
+//! body share them in a few phases, so a forest of a few individuals costs what these cost in each
+//! phase, and neighbours do not sway in step. A level whose sway
 //! would be less than half a pixel high, from where somebody looks, rides rigidly on what carries
 //! it; so far away that this holds of all levels, nothing is moved at all.
 
@@ -17,8 +18,12 @@ use crate::{Eye, Levels, Rig, Wind};
 /// The poses of what sways in a draw list; kept from one picture to the next.
 ///
 /// They belong to the list that they were made for, in its order; a new list needs new ones.
+///
+/// Equal trees are apart in time by where they stand: each is in one of a few phases, and one at
+/// the root's origin is in the first, in which everything is where its rig has it at the time.
 #[derive(Clone, Debug)]
 pub struct Poses {
+    n_phases: u8,
     bodies: Vec<Option<Posing>>,
     occurrences: Vec<Placed>,
 }
@@ -39,6 +44,8 @@ struct Placed {
     body: u32,
     /// From the root's frame to the body's; nothing where that is flat.
     to_body: Option<Affine3>,
+    /// How far along the phases it is by where it stands: from 0 up to 1.
+    along: f32,
     /// Which of the body's variants is seen here; nothing where it is at rest.
     variant: Option<u32>,
 }
@@ -52,30 +59,45 @@ struct Posing {
     /// For each level that sways how far it carries anything, in metres where the wind's shares
     /// add up to 1, and how many joints do so.
     levels: Vec<(u8, f32, usize)>,
-    /// A pose for each set of levels that was seen so far.
+    /// A pose for each set of levels and each phase that was seen so far.
     variants: Vec<Variant>,
 }
 
 #[derive(Clone, Debug)]
 struct Variant {
     levels: Levels,
+    phase: u8,
     /// Whether any occurrence shows it at the moment.
     is_shown: bool,
     pose: Vec<Affine3>,
 }
 
+/// How many phases there are unless somebody wants others.
+const PHASES: u8 = 4;
+
+/// How far phases are apart, in seconds: long enough for most stems to be anywhere by then.
+const PHASE_SECONDS: f64 = 17.0;
+
 impl Poses {
-    /// Everything at rest. Costs all vertices that sway.
+    /// Everything at rest, to sway in four phases. Costs all vertices that sway.
     pub fn new(list: &DrawList) -> Self {
         let occurrences = list.occurrences.iter().map(|occurrence| {
             let to_body = occurrence.world.inverse();
             let to_body = to_body.is_finite().then_some(to_body);
-            Placed { body: occurrence.body, to_body, variant: None }
+            let along = along_the_phases(occurrence.world.translation);
+            Placed { body: occurrence.body, to_body, along, variant: None }
         });
         Self {
+            n_phases: PHASES,
             bodies: list.bodies.iter().map(Posing::of).collect(),
             occurrences: occurrences.collect(),
         }
+    }
+
+    /// The same in so many phases, at least one: an update costs each body as often as it is seen in
+    /// different ones.
+    pub fn in_phases(self, n_phases: u8) -> Self {
+        Self { n_phases: n_phases.max(1), ..self }
     }
 
     /// Moves everything to where it is in this wind at a time in seconds, as far as that can be
@@ -92,13 +114,15 @@ impl Poses {
             let (Some(Some(posing)), Some(to_body)) = (body, &placed.to_body) else { continue };
             let levels = posing.moving(wind, eye, to_body);
             if !levels.is_empty() {
-                placed.variant = Some(posing.variant(levels));
+                let phase = (placed.along * f32::from(self.n_phases)) as u8;
+                placed.variant = Some(posing.variant(levels, phase.min(self.n_phases - 1)));
                 moved.n_occurrences += 1;
                 moved.levels = moved.levels.union(levels);
             }
         }
         for Posing { rig, levels, variants, .. } in self.bodies.iter_mut().flatten() {
             for variant in variants.iter_mut().filter(|variant| variant.is_shown) {
+                let time = time + PHASE_SECONDS * f64::from(variant.phase);
                 rig.pose(wind, time, variant.levels, &mut variant.pose);
                 let turned = levels.iter().filter(|(level, ..)| variant.levels.contains(*level));
                 moved.n_joints += turned.map(|(_, _, n)| n).sum::<usize>();
@@ -175,17 +199,26 @@ impl Posing {
         seen.fold(Levels::NONE, |levels, (level, ..)| levels.with(*level))
     }
 
-    /// The number of the pose in which these levels move, which is shown from now on.
-    fn variant(&mut self, levels: Levels) -> u32 {
-        let known = self.variants.iter().position(|variant| variant.levels == levels);
+    /// The number of the pose in which these levels move in a phase, which is shown from now on.
+    fn variant(&mut self, levels: Levels, phase: u8) -> u32 {
+        let is_it = |variant: &Variant| (variant.levels, variant.phase) == (levels, phase);
+        let known = self.variants.iter().position(is_it);
         let number = known.unwrap_or_else(|| {
             let pose = Vec::with_capacity(self.rig.joints.len());
-            self.variants.push(Variant { levels, is_shown: true, pose });
+            self.variants.push(Variant { levels, phase, is_shown: true, pose });
             self.variants.len() - 1
         });
         self.variants[number].is_shown = true;
         number as u32
     }
+}
+
+/// From 0 up to 1 by a place in the root's frame, 0 at its origin, and far apart for places that are
+/// near each other: shares of the plastic ratio's powers, which fill a circle evenly.
+fn along_the_phases(place: Vec3) -> f32 {
+    let along = place.dot(Vec3::new(0.754_877_7, 0.324_717_9, 0.569_840_3));
+    let along = along - along.floor();
+    if (0.0..1.0).contains(&along) { along } else { 0.0 }
 }
 
 /// For each level that sways how far it carries anything, where the wind's shares add up to 1, and
