@@ -1,10 +1,12 @@
 //! Trees that fade with the distance: by the walk, and by levels of detail that are compiled.
 
+use sapwood::geom::Mesh;
 use sapwood::geom::glam::Vec3;
-use sapwood::graph::{DrawList, Eye};
+use sapwood::graph::{DrawList, Eye, Poses, Wind};
 use sapwood::rules::weber_penn::{FadingParams, FadingSlot, Seed, Tree, faded};
 use sapwood::scene::{
-    Attribute, Group, LevelOfDetail, Scene, Transform, ViewId, Viewer, Viewpoint,
+    Action, Attribute, Group, LevelOfDetail, Scene, Time, Transform, ViewId, Viewer, Viewpoint,
+    WindSlot,
 };
 
 use super::trees::*;
@@ -113,7 +115,7 @@ fn a_traversal_thins_trees_that_know_nothing_of_it() {
     let params = FadingParams::default();
     for range in RANGES {
         let eye = Eye::new(Vec3::X * range);
-        let emitted = faded(&mut aspen.scene, aspen.view, &params, Some(&eye)).unwrap();
+        let emitted = faded(&mut aspen.scene, aspen.view, &params, Some(&eye), 10_000).unwrap();
         let walked = drawn(&look_from(&mut aspen.scene, fading, range));
         // Both leave the same leaves; stems are cut into other items.
         let emitted = drawn(&emitted);
@@ -122,7 +124,7 @@ fn a_traversal_thins_trees_that_know_nothing_of_it() {
         assert!(by * 20 <= of, "{range} m: {emitted:?} {walked:?}");
         // Under rules that have trees fade it leaves alone what does.
         aspen.scene.set_moving::<Viewer>(fading, None).unwrap();
-        let both = faded(&mut aspen.scene, fading, &params, Some(&eye)).unwrap();
+        let both = faded(&mut aspen.scene, fading, &params, Some(&eye), 10_000).unwrap();
         assert_eq!(drawn(&both), walked, "{range} m");
     }
     assert_eq!(aspen.compiled(), []);
@@ -147,7 +149,10 @@ fn both_ways_to_fade_serve_one_scene() {
     let view = scene.open_view(family, &sapwood::fading_rules()).unwrap();
     scene.set_held::<Viewpoint>(view, Some(Vec3::X * 60.0)).unwrap();
     let eye = Eye::new(Vec3::new(120.0, 0.0, 20.0));
-    let list = faded(&mut scene, view, &FadingParams::default(), Some(&eye)).unwrap();
+    let list = faded(&mut scene, view, &FadingParams::default(), Some(&eye), 10_000).unwrap();
+    let few = faded(&mut scene, view, &FadingParams::default(), Some(&eye), 20).unwrap_err();
+    let told = "more than 20 rows would be drawn; leaf_surface occurs too often";
+    assert_eq!(few.to_string(), told);
     let at = |range: f32| {
         let mut aspen = grown(&built_in("quaking_aspen"), 1);
         let view = aspen.scene.open_view(aspen.family, &sapwood::fading_rules()).unwrap();
@@ -156,4 +161,91 @@ fn both_ways_to_fade_serve_one_scene() {
     let (by_level, by_walk) = (at(60.0), at(120.0));
     let expected: Vec<u64> = by_level.iter().zip(by_walk).map(|(a, b)| a + b).collect();
     assert_eq!(drawn(&list)[..], expected[..]);
+}
+
+/// Trees that sway and trees that fade, by one set of rules: what is left sways, and neither the
+/// eye nor the time has anything compiled.
+#[test]
+fn what_fades_sways_as_far_as_it_is_left() {
+    let mut aspen = grown(&built_in("quaking_aspen"), 1);
+    let rules = sapwood::rules::weber_penn::swaying().over(&sapwood::fading_rules());
+    let scene = &mut aspen.scene;
+    let both = scene.open_view(aspen.family, &rules).unwrap();
+    let fading = scene.open_view(aspen.family, &sapwood::fading_rules()).unwrap();
+    let swaying = scene.open_view(aspen.family, &sapwood::swaying_rules()).unwrap();
+    for view in [both, fading, swaying] {
+        scene.bounds(view).unwrap();
+        scene.set_moving::<WindSlot>(view, Wind::new(6.0, 3.0)).unwrap();
+    }
+    scene.take_log();
+    for range in RANGES {
+        let list = look_from(scene, both, range);
+        // As much is left as without wind, at the same places.
+        let still = look_from(scene, fading, range);
+        assert_eq!(drawn(&list), drawn(&still), "{range} m");
+        let rows = || list.placed_rows().zip(still.placed_rows());
+        assert!(rows().all(|((_, a), (_, b))| a.range == b.range), "{range} m");
+        assert!(rows().all(|((_, a), (_, b))| Mesh::clone(&a.mesh) == Mesh::clone(&b.mesh)));
+        assert!(list.placed_rows().all(|(_, row)| row.follows.is_some()), "{range} m");
+        // It moves as the whole tree does.
+        let whole = scene.draw_list(swaying, 10_000).unwrap();
+        let (mut poses, mut of_whole) = (Poses::new(&list), Poses::new(&whole));
+        for time in [0.0, 1.5] {
+            for view in [both, swaying] {
+                scene.set_moving::<Time>(view, time).unwrap();
+            }
+            scene.set_moving::<Viewer>(swaying, Some(Eye::new(Vec3::X * range))).unwrap();
+            let moved = scene.sway(both, &mut poses).unwrap();
+            assert_eq!(moved, scene.sway(swaying, &mut of_whole).unwrap(), "{range} m, {time} s");
+            assert_eq!(drawn(&poses.posed(&list)), drawn(&still), "{range} m, {time} s");
+        }
+    }
+    let log = scene.take_log();
+    let ran: Vec<_> = log.iter().filter(|event| event.action == Action::Compiled).collect();
+    assert!(ran.is_empty(), "{ran:?}");
+    let report = scene.verify(both, 10).unwrap();
+    assert!(report.is_clean(), "{report:?}");
+}
+
+/// From so far that its trunk is lines, an aspen is as bright as from where it is a tube.
+#[test]
+fn lines_that_stand_for_stems_have_the_colour_of_bark() {
+    use sapwood::graph::Lens;
+    use sapwood::picture::{Background, PictureOptions, PlacedCamera, Studio};
+    let bare = with(&built_in("quaking_aspen"), &[("leaves.count", 0.0)]);
+    let species = sapwood::rules::weber_penn::Species { levels: 1, ..bare };
+    let mut scene = checked_scene();
+    let family = scene.add(species.attribute());
+    scene.add_to(family, Tree { seed: Seed::Explicit(1) }).unwrap();
+    let view = scene.open_view(family, &sapwood::fading_rules()).unwrap();
+    let foot = Vec3::Y * 2.0;
+    let lens = Lens::Orthographic { height: 3.0 };
+    let camera = PlacedCamera::look_at(lens, foot + Vec3::new(-0.3, 0.0, 1.0) * 40.0, foot);
+    let options = PictureOptions {
+        size: [96, 96],
+        samples: 16,
+        background: Background::Transparent,
+        line_color: [0.0, 0.0, 5.0],
+        ..PictureOptions::default()
+    };
+    let mut color = |range: f32| {
+        let list = look_from(&mut scene, view, range);
+        let (n_triangles, n_lines) = (drawn(&list)[0], drawn(&list)[1]);
+        assert!(list.placed_lines().all(|(_, row)| row.material.is_some()));
+        let mut supply = scene.supply(view).unwrap();
+        let mut studio = Studio::new(&mut supply);
+        let go_on = &mut |_: &_| std::ops::ControlFlow::Continue(());
+        let image = studio.picture(camera.as_ref().unwrap(), &options, go_on).unwrap().image;
+        let covered = image.pixels.iter().filter(|pixel| pixel[3] == 255);
+        let (n, sum) = covered.fold((0, [0u64; 3]), |(n, sum), [r, g, b, _]| {
+            (n + 1, [sum[0] + u64::from(*r), sum[1] + u64::from(*g), sum[2] + u64::from(*b)])
+        });
+        assert!(n > 400, "{n}");
+        (n_triangles, n_lines, sum.map(|sum| sum as f64 / f64::from(n)))
+    };
+    let (near, far) = (color(5.0), color(1e6));
+    assert!(near.0 > 0 && near.1 == 0 && far.0 == 0 && far.1 > 0, "{near:?} {far:?}");
+    for (near, far) in near.2.into_iter().zip(far.2) {
+        assert!((near / far - 1.0).abs() < 0.1, "{near:?} {far:?}");
+    }
 }

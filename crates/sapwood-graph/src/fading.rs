@@ -196,30 +196,6 @@ impl Fading {
     }
 }
 
-/// The fading nodes above the node at hand, for walks through a fragment from its beginning.
-#[derive(Debug, Default)]
-pub struct FadingAbove<'a>(Vec<(u32, &'a Fading, f32)>);
-
-impl<'a> FadingAbove<'a> {
-    /// Goes on to the node at `index`, out of those that end before it.
-    pub fn go_on_to(&mut self, index: u32) {
-        while self.0.pop_if(|(end, _, _)| *end <= index).is_some() {}
-    }
-
-    /// Goes into a node that has everything before `end` below it, at a range from the eye.
-    pub fn enter(&mut self, end: u32, fading: &'a Fading, range: f32) {
-        self.0.push((end, fading, range));
-    }
-
-    /// What is drawn of `n` triangles, instances or lines, and how much larger instances are.
-    pub fn drawn(&self, n: usize) -> (DrawRange, f32) {
-        match self.0.last() {
-            None => (DrawRange { first: 0, end: n as u32 }, 1.0),
-            Some((_, fading, range)) => (fading.drawn(n as u32, *range), fading.growth(*range)),
-        }
-    }
-}
-
 /// How many of `n` items are drawn at a share: as many of each mass, and one more of the first
 /// masses.
 pub fn n_drawn(n: u32, mass: u32, share: f32) -> u32 {

@@ -17,7 +17,7 @@ use smallvec::SmallVec;
 pub use builder::FragmentBuilder;
 pub use shown::Shown;
 
-use crate::{Camera, Facing, Fading, Kind, Label, Light, Material, Rig};
+use crate::{Aspects, Camera, Facing, Fading, Kind, Label, Light, Limiter, Material, Rig};
 
 /// A render node as traversals see it.
 #[derive(Clone, Copy, Debug)]
@@ -35,6 +35,9 @@ pub enum RenderNode<'a> {
     /// nearby. What other plans supply below it is not its business, and of several such nodes
     /// above each other the lowest counts.
     Fading(&'a Fading),
+    /// Has one aspect drawn of what it holds, by the direction of whoever looks; without an eye
+    /// some of them. Counts among fading nodes as one of them.
+    Aspects(&'a Aspects),
     /// Holds what sways: of the meshes and instances that it has below itself, each vertex and each
     /// instance follows a joint ([`Fragment::followed`]). They stand at rest in every walk;
     /// [`Poses`](crate::Poses) move what a draw list has. What other plans supply below it is not
@@ -81,6 +84,28 @@ pub struct Run<'a> {
     pub foreseen: Option<&'a Bound>,
 }
 
+impl<'a> RenderNode<'a> {
+    /// What the node limits by, if it does.
+    pub fn limiter(&self) -> Option<Limiter<'a>> {
+        match *self {
+            Self::Fading(fading) => Some(Limiter::Fading(fading)),
+            Self::Aspects(aspects) => Some(Limiter::Aspects(aspects)),
+            Self::Group
+            | Self::Transform(_)
+            | Self::Live(_)
+            | Self::Facing(_)
+            | Self::Swaying(_)
+            | Self::Mesh { .. }
+            | Self::Instances { .. }
+            | Self::Lines(_)
+            | Self::Light(_)
+            | Self::Camera(_)
+            | Self::Label(_)
+            | Self::Deferred(_) => None,
+        }
+    }
+}
+
 #[derive(Clone, Copy, Debug)]
 enum Code {
     Group,
@@ -88,6 +113,7 @@ enum Code {
     Live(u32),
     Facing(u32),
     Fading(u32),
+    Aspects(u32),
     Swaying(u32),
     Mesh(u32),
     Instances(u32),
@@ -110,9 +136,10 @@ struct Packed {
 struct Drawn {
     meshes: Vec<(SharedMesh, Arc<Material>)>,
     instances: Vec<Instanced>,
-    lines: Vec<Shared<Vec<Polyline>>>,
+    lines: Vec<Lined>,
     facings: Vec<Facing>,
     fadings: Vec<Fading>,
+    aspects: Vec<Aspects>,
     rigs: Vec<Shared<Rig>>,
     lights: Vec<Light>,
     cameras: Vec<Camera>,
@@ -128,6 +155,12 @@ struct Drawn {
 struct Followed {
     joints: Shared<Vec<u32>>,
     bound: Bound,
+}
+
+#[derive(Debug)]
+struct Lined {
+    lines: Shared<Vec<Polyline>>,
+    material: Option<Arc<Material>>,
 }
 
 #[derive(Debug)]
@@ -203,6 +236,7 @@ impl Fragment {
             Code::Live(i) => RenderNode::Live(i),
             Code::Facing(i) => RenderNode::Facing(&drawn().facings[i as usize]),
             Code::Fading(i) => RenderNode::Fading(&drawn().fadings[i as usize]),
+            Code::Aspects(i) => RenderNode::Aspects(&drawn().aspects[i as usize]),
             Code::Swaying(i) => RenderNode::Swaying(&drawn().rigs[i as usize]),
             Code::Mesh(i) => {
                 let (mesh, material) = &drawn().meshes[i as usize];
@@ -212,7 +246,7 @@ impl Fragment {
                 let Instanced { mesh, material, transforms, .. } = &drawn().instances[i as usize];
                 RenderNode::Instances { mesh, material, transforms }
             }
-            Code::Lines(i) => RenderNode::Lines(&drawn().lines[i as usize]),
+            Code::Lines(i) => RenderNode::Lines(&drawn().lines[i as usize].lines),
             Code::Light(i) => RenderNode::Light(&drawn().lights[i as usize]),
             Code::Camera(i) => RenderNode::Camera(&drawn().cameras[i as usize]),
             Code::Label(i) => RenderNode::Label(&drawn().labels[i as usize]),
@@ -257,7 +291,7 @@ impl Fragment {
             Code::Mesh(i) => Some(*drawn().meshes[i as usize].0.bound()),
             Code::Instances(i) => Some(drawn().instances[i as usize].bound),
             Code::Lines(i) => {
-                let lines = &drawn().lines[i as usize];
+                let lines = &drawn().lines[i as usize].lines;
                 let points = lines.iter().flat_map(|line| line.points.iter().copied());
                 Some(Bound::of_points(points))
             }
@@ -267,6 +301,7 @@ impl Fragment {
             | Code::Live(_)
             | Code::Facing(_)
             | Code::Fading(_)
+            | Code::Aspects(_)
             | Code::Swaying(_)
             | Code::Light(_)
             | Code::Camera(_)
@@ -274,26 +309,14 @@ impl Fragment {
         }
     }
 
-    /// The fading node that limits what the node at `index` draws: the lowest above it. Costs the
-    /// nodes before it where the fragment has any such node.
-    pub fn fading_of(&self, index: u32) -> Option<&Fading> {
-        let drawn = self.drawn.as_deref().filter(|drawn| !drawn.fadings.is_empty())?;
-        (0..index).rev().find_map(|above| match self.nodes[above as usize].code {
-            Code::Fading(i) if self.after(above) > index => Some(&drawn.fadings[i as usize]),
-            Code::Fading(_)
-            | Code::Group
-            | Code::Transform(_)
-            | Code::Live(_)
-            | Code::Facing(_)
-            | Code::Swaying(_)
-            | Code::Mesh(_)
-            | Code::Instances(_)
-            | Code::Lines(_)
-            | Code::Light(_)
-            | Code::Camera(_)
-            | Code::Label(_)
-            | Code::Deferred(_) => None,
-        })
+    /// What limits what the node at `index` draws: the lowest such node above it. Costs the nodes
+    /// before it where the fragment has any such node.
+    pub fn limiter_of(&self, index: u32) -> Option<Limiter<'_>> {
+        let limits = |drawn: &&Drawn| !(drawn.fadings.is_empty() && drawn.aspects.is_empty());
+        self.drawn.as_deref().filter(limits)?;
+        let mut limiters =
+            (0..index).rev().filter_map(|above| Some((above, self.node(above).limiter()?)));
+        limiters.find(|(above, _)| self.after(*above) > index).map(|(_, limiter)| limiter)
     }
 
     /// How many triangles of a single mesh, instances or lines the node at `index` draws; nothing
@@ -303,17 +326,27 @@ impl Fragment {
         match self.nodes[index as usize].code {
             Code::Mesh(i) => Some(drawn().meshes[i as usize].0.n_triangles()),
             Code::Instances(i) => Some(drawn().instances[i as usize].transforms.len()),
-            Code::Lines(i) => Some(drawn().lines[i as usize].len()),
+            Code::Lines(i) => Some(drawn().lines[i as usize].lines.len()),
             Code::Group
             | Code::Transform(_)
             | Code::Live(_)
             | Code::Facing(_)
             | Code::Fading(_)
+            | Code::Aspects(_)
             | Code::Swaying(_)
             | Code::Light(_)
             | Code::Camera(_)
             | Code::Label(_)
             | Code::Deferred(_) => None,
+        }
+    }
+
+    /// The look of the lines that the node at `index` draws; nothing for other nodes, and where
+    /// whoever draws them chooses.
+    pub fn line_material(&self, index: u32) -> Option<&Arc<Material>> {
+        match self.nodes[index as usize].code {
+            Code::Lines(i) => self.drawn.as_deref()?.lines[i as usize].material.as_ref(),
+            _ => None,
         }
     }
 
@@ -384,9 +417,12 @@ impl Content for Fragment {
                 RenderNode::Instances { mesh, material, transforms } => {
                     digester.add(&4u8).add(mesh).add(material).add(transforms)
                 }
-                RenderNode::Lines(lines) => digester.add(&5u8).add(lines),
+                RenderNode::Lines(lines) => {
+                    digester.add(&5u8).add(lines).add(&self.line_material(index))
+                }
                 RenderNode::Facing(facing) => digester.add(&7u8).add(facing),
                 RenderNode::Fading(fading) => digester.add(&11u8).add(fading),
+                RenderNode::Aspects(aspects) => digester.add(&13u8).add(aspects),
                 RenderNode::Swaying(rig) => digester.add(&12u8).add(rig),
                 RenderNode::Light(light) => digester.add(&8u8).add(light),
                 RenderNode::Camera(camera) => digester.add(&9u8).add(camera),

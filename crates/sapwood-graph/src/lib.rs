@@ -5,16 +5,19 @@
 //! rules or caching: it walks whatever a `Supply` hands out, notes a [`Want`] where a link is
 //! unfilled, and asks a [`Provide`] to fill wants between walks.
 
+mod aspects;
 mod camera;
 mod facing;
 mod fading;
 mod figures;
 mod fragment;
 mod handlers;
+mod impostor;
 mod interfaces;
 mod kind;
 mod label;
 mod light;
+mod limits;
 mod material;
 mod parts;
 mod pieces;
@@ -25,16 +28,19 @@ mod traversals;
 mod walk;
 mod wind;
 
+pub use aspects::Aspects;
 pub use camera::{Camera, Lens};
 pub use facing::{Eye, Facing};
-pub use fading::{DrawRange, Fading, FadingAbove, Falloff, Stretch, even_order, n_drawn};
+pub use fading::{DrawRange, Fading, Falloff, Stretch, even_order, n_drawn};
 pub use figures::grouped;
 pub use fragment::{Fragment, FragmentBuilder, RenderNode, Run, Shown};
 pub use handlers::{Fallbacks, Handlers};
+pub use impostor::Impostor;
 pub use interfaces::{Interfaces, Offers};
 pub use kind::{Kind, Named};
 pub use label::{Anchor, Label};
 pub use light::{Light, LightShape};
+pub use limits::{Limiter, LimitsAbove, Vantage};
 pub use material::{Alpha, Material, MaterialImages};
 pub use parts::{Part, Parts};
 pub use pieces::Pieced;

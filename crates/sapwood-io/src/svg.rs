@@ -343,8 +343,12 @@ mod tests {
     }
 
     fn list(lines: Vec<Polyline>) -> DrawList {
-        let lines =
-            vec![LineRow { local: Affine3::IDENTITY, lines: Shared::new(lines), range: None }];
+        let lines = vec![LineRow {
+            local: Affine3::IDENTITY,
+            lines: Shared::new(lines),
+            material: None,
+            range: None,
+        }];
         DrawList {
             bodies: vec![Body { lines, ..Body::new(Kind::of::<Tree>()) }],
             occurrences: vec![Occurrence { body: 0, world: Affine3::IDENTITY }],

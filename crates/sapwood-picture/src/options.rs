@@ -25,7 +25,7 @@ pub struct PictureOptions {
     pub most_reflections: u32,
     /// What all light is multiplied by.
     pub exposure: f32,
-    /// The colour of lines, linear.
+    /// The colour of lines that have no material, linear.
     pub line_color: [f32; 3],
     /// How many pixels wide lines are at least.
     pub line_width: f32,

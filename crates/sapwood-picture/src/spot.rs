@@ -35,8 +35,11 @@ impl Spot {
         width: f32,
     ) -> Self {
         match &hit.thing {
-            Thing::Line { normal } => {
-                let matter = matte(options.line_color);
+            Thing::Line { normal, look } => {
+                let matter = match look {
+                    Some(look) => world.looks[*look as usize].mean(),
+                    None => matte(options.line_color),
+                };
                 Self::flat(ray.at(hit.distance), *normal, hit.distance, matter)
             }
             Thing::Triangle { surface, hit, to_local } => {

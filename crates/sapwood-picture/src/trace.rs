@@ -43,6 +43,8 @@ pub(crate) enum Thing {
     Line {
         /// Away from the line's axis, in the root's frame.
         normal: Vec3,
+        /// The number of its look, where it has one.
+        look: Option<u32>,
     },
 }
 
@@ -152,7 +154,8 @@ impl World {
                         {
                             limit = hit.distance;
                             let normal = next.to_local.matrix3.transpose() * hit.normal;
-                            let thing = Thing::Line { normal: normal.normalize_or(Vec3::Y) };
+                            let look = self.lines[piece as usize].look;
+                            let thing = Thing::Line { normal: normal.normalize_or(Vec3::Y), look };
                             met = Met::Hit(Hit { distance: hit.distance, thing });
                         }
                     }

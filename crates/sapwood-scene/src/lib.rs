@@ -33,8 +33,8 @@ mod view;
 mod view_error;
 
 pub use built_in::{
-    Attribute, Billboard, Group, HeldGeometry, HeldInstances, Kit, KitRule, KitTemplate,
-    LevelOfDetail, Rotor, Selector, Switch, Transform, built_in_rules,
+    Attribute, Billboard, Group, HeldGeometry, HeldImpostor, HeldInstances, Kit, KitRule,
+    KitTemplate, LevelOfDetail, Rotor, Selector, Switch, Transform, built_in_rules,
 };
 pub use log::{Action, Event};
 #[cfg(feature = "planted-faults")]

@@ -27,6 +27,8 @@ struct Found {
     world: Affine3,
     size: f32,
     look: String,
+    /// Which triangles are drawn, where that was asked.
+    part: Option<[u32; 2]>,
 }
 
 impl Script {
@@ -186,7 +188,11 @@ impl Script {
 
 /// What is drawn, by sort, in order.
 fn drawn(list: &DrawList) -> Vec<Found> {
-    let meshes = list.placed_rows().map(|(world, row)| mesh(world, &row.mesh, &row.material.name));
+    let meshes = list.placed_rows().map(|(world, row)| {
+        let all = [0, row.mesh.n_triangles() as u32];
+        let part = Some(row.range.map_or(all, |range| [range.first, range.end]));
+        Found { part, ..mesh(world, &row.mesh, &row.material.name) }
+    });
     let lines = list.placed_lines().map(|(world, row)| lines(world, &row.lines));
     let lights =
         list.placed_lights().map(|(world, light)| plain(Sort::Light, world, light.intensity));
@@ -208,6 +214,7 @@ fn found(world: Affine3, node: RenderNode<'_>) -> Option<Found> {
         | RenderNode::Live(_)
         | RenderNode::Facing(_)
         | RenderNode::Fading(_)
+        | RenderNode::Aspects(_)
         | RenderNode::Swaying(_)
         | RenderNode::Instances { .. }
         | RenderNode::Deferred(_) => None,
@@ -215,7 +222,7 @@ fn found(world: Affine3, node: RenderNode<'_>) -> Option<Found> {
 }
 
 fn plain(sort: Sort, world: Affine3, size: f32) -> Found {
-    Found { sort, world, size, look: String::new() }
+    Found { sort, world, size, look: String::new(), part: None }
 }
 
 /// The edge length tells the tests' triangles apart.
@@ -232,6 +239,7 @@ fn assert_fits(found: &Found, item: &Item) {
     let tolerance = if item.is_turned { TOLERANCE } else { 0.0 };
     let is_same = found.sort == item.sort
         && found.look == item.look
+        && (item.is_vague || found.part.zip(item.part).is_none_or(|(a, b)| a == b))
         && (item.is_vague
             || found.size == item.size && item.world.distance(&found.world) <= tolerance);
     assert!(is_same, "{found:?} instead of {item:?}");

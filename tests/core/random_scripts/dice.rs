@@ -5,7 +5,7 @@ use sapwood::geom::{Purpose, Stream, StreamPath};
 use sapwood::graph::{Eye, Facing};
 use sapwood::scene::{PushMode, Style};
 
-use super::kinds::Variant;
+use super::kinds::{LimitedBy, Variant};
 use super::what::{Push, Pushes, Turning, What};
 
 pub(super) struct Dice(Stream);
@@ -173,7 +173,7 @@ impl Dice {
     }
 
     fn leaf(&mut self) -> What {
-        match self.below(18) {
+        match self.below(20) {
             0 | 1 => What::Placed,
             2 | 3 => What::Sized,
             4 => What::Tagged,
@@ -190,8 +190,14 @@ impl Dice {
                 _ => What::Label(self.positive()),
             },
             15 => What::Woven(self.below(4) as u32),
+            16 | 17 => self.limited(),
             _ => What::Plain(self.size()),
         }
+    }
+
+    fn limited(&mut self) -> What {
+        let by = self.pick(&[LimitedBy::Distance, LimitedBy::Side]);
+        What::Limited { size: self.size(), by }
     }
 
     fn held(&mut self) -> What {
@@ -216,6 +222,7 @@ impl Dice {
             What::Porch(_) => What::Porch(self.tag()),
             What::Spinner(_) => What::Spinner(self.below(4) as f32),
             What::Plain(_) => What::Plain(self.size()),
+            What::Limited { .. } => self.limited(),
             What::Nest(_) => What::Nest(self.below(4) as u32),
             What::Fragile(_) => What::Fragile(self.below(4) as u32),
             What::Woven(_) => What::Woven(self.below(4) as u32),

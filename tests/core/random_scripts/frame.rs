@@ -47,6 +47,11 @@ impl Frame {
         [dot(v, cross(y, z)) / all, dot(x, cross(v, z)) / all, dot(x, cross(y, v)) / all]
     }
 
+    /// Which point this map takes to `p`.
+    pub(super) fn point_back(&self, p: Vec3) -> V {
+        self.vector_back(sub(p.to_array().map(f64::from), self.origin))
+    }
+
     /// The box around the image of a box.
     pub(super) fn around(&self, own: &Aabb) -> Aabb {
         let corners = (0..8).map(|i| {

@@ -1,8 +1,8 @@
 //! Kinds and rules of the random scripts: every way of reading slots, and every way of failing.
 
 use sapwood::geom::glam::{Affine3, Vec3};
-use sapwood::geom::{Aabb, Digester, Purpose, SharedMesh, Stream, content};
-use sapwood::graph::{Material, Named};
+use sapwood::geom::{Aabb, Content, Digester, Purpose, Shared, SharedMesh, Stream, content};
+use sapwood::graph::{Aspects, Fading, Falloff, Material, Named, Stretch};
 use sapwood::scene::{
     Cell, ChildPath, Children, Component, Context, Held, KitRule, Placement, Rule, RuleError,
     RuleSet, Side, SideOfBox, Slot, Time, VisitContext, built_in_rules,
@@ -44,6 +44,22 @@ const SIDE: SideOfBox = SideOfBox {
     region: Aabb { min: Vec3::splat(-6.5), max: Vec3::splat(6.5) },
 };
 
+/// What says how much of something is drawn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum LimitedBy {
+    Distance,
+    Side,
+}
+
+impl Content for LimitedBy {
+    fn write(&self, digester: &mut Digester) {
+        digester.add(&u8::from(*self == Self::Side));
+    }
+}
+
+/// How far away something is of which half is left.
+pub(super) const REACH: f32 = 24.0;
+
 macro_rules! kinds {
     ($($kind:ident { $($field:ident: $type:ty),* } $name:literal $children:ident;)*) => {$(
         #[derive(Debug, Clone)]
@@ -56,6 +72,7 @@ macro_rules! kinds {
 
 kinds! {
     Tagged {} "tagged" None;
+    Limited { size: f32, by: LimitedBy } "limited" None;
     Keyed {} "keyed" None;
     Gridded {} "gridded" None;
     Sided {} "sided" None;
@@ -90,6 +107,26 @@ rules! {
         draw(cx, gridded_size(cell))
     };
     SidedRule Sided |_sided, cx| { let side = cx.project(SIDE); draw(cx, sided_size(side)) };
+    LimitedRule Limited |limited, cx| {
+        let mut both = triangle(limited.size);
+        both.append(&triangle(limited.size), &Affine3::IDENTITY);
+        let material = Material::matte("m", 1.0, 1.0, 1.0).into();
+        let inside = |cx: &mut Context<'_>| cx.mesh(SharedMesh::new(both), material);
+        match limited.by {
+            LimitedBy::Distance => {
+                let far = Stretch::constant(f32::INFINITY, 0.5);
+                let shown = Falloff(vec![Stretch::constant(REACH, 1.0), far]);
+                let replaced = Falloff::default();
+                let fading = Fading { shown, replaced, mass: 2, ends: None, keeps_coverage: false };
+                cx.fading(fading, inside);
+            }
+            LimitedBy::Side => {
+                let toward = Shared::new(vec![Vec3::X, Vec3::NEG_X]);
+                cx.aspects(Aspects { toward, center: Vec3::ZERO, without_eye: 2 }, inside);
+            }
+        }
+        Ok(())
+    };
     // What it reads depends on what it read before.
     ChooserRule Chooser |_chooser, cx| {
         let tag = *cx.read::<Tag>();
@@ -306,6 +343,7 @@ impl Variant {
             .with(KeyedRule)
             .with(GriddedRule)
             .with(SidedRule)
+            .with(LimitedRule)
             .with(ChooserRule)
             .with(NestRule)
             .with(FragileRule)

@@ -40,6 +40,9 @@ pub(super) struct Item {
     pub(super) around: Aabb,
     pub(super) is_turned: bool,
     pub(super) is_vague: bool,
+    /// Which of its triangles are drawn, as the first and the one behind the last; nothing where
+    /// all are, or where that is too close to tell.
+    pub(super) part: Option<[u32; 2]>,
 }
 
 /// Everything that a view must show.
@@ -180,6 +183,11 @@ impl Evaluation<'_> {
                     _ => 3.0,
                 },
             ),
+            What::Limited { size, by } => {
+                self.draw(here, size);
+                let part = self.part(here, by);
+                self.found.items.last_mut().expect("one was drawn").part = part;
+            }
             What::Nest(depth) => self.inside_nest(here, depth),
             What::Fragile(value) => match fragile_fate(value, here.size.value) {
                 Fate::Draws => self.draw(here, here.size.value + 0.25),
@@ -256,7 +264,36 @@ impl Evaluation<'_> {
         let around = if own.is_empty() { own } else { here.world.around(&own) };
         let (world, path) = (here.world, here.links.clone());
         let Here { is_turned, is_vague, .. } = *here;
-        self.found.items.push(Item { path, sort, world, size, look, around, is_turned, is_vague });
+        let part = None;
+        self.found.items.push(Item {
+            path,
+            sort,
+            world,
+            size,
+            look,
+            around,
+            is_turned,
+            is_vague,
+            part,
+        });
+    }
+
+    /// Which of two triangles are drawn.
+    fn part(&self, here: &Here, by: LimitedBy) -> Option<[u32; 2]> {
+        let Some(eye) = &self.view.eye else { return Some([0, 2]) };
+        let there = here.world.point_back(eye.position);
+        if !there.iter().all(|x| x.is_finite()) {
+            return Some([0, 2]);
+        }
+        let [x, y, z] = there;
+        let (over, part) = match by {
+            LimitedBy::Distance => {
+                let over = (x * x + y * y + z * z).sqrt() - f64::from(REACH);
+                (over, if over < 0.0 { [0, 2] } else { [0, 1] })
+            }
+            LimitedBy::Side => (x, if x < 0.0 { [1, 2] } else { [0, 1] }),
+        };
+        (over.abs() > 0.05).then_some(part)
     }
 
     fn draw_placed(&mut self, here: &Here) {
@@ -434,6 +471,7 @@ fn kind_name(what: &What) -> &'static str {
         What::Keyed => "keyed",
         What::Gridded => "gridded",
         What::Sided => "sided",
+        What::Limited { .. } => "limited",
         What::Chooser => "chooser",
         What::Nest(_) => "nest",
         What::Fragile(_) => "fragile",

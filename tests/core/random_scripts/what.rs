@@ -37,6 +37,7 @@ pub(super) enum What {
     Keyed,
     Gridded,
     Sided,
+    Limited { size: f32, by: LimitedBy },
     Chooser,
     Nest(u32),
     Fragile(u32),
@@ -142,6 +143,7 @@ impl What {
             Self::Keyed => scene.add(Keyed {}).id(),
             Self::Gridded => scene.add(Gridded {}).id(),
             Self::Sided => scene.add(Sided {}).id(),
+            Self::Limited { size, by } => scene.add(Limited { size, by }).id(),
             Self::Chooser => scene.add(Chooser {}).id(),
             Self::Nest(depth) => scene.add(Nest { depth }).id(),
             Self::Fragile(value) => scene.add(Fragile { value }).id(),
@@ -181,6 +183,7 @@ impl What {
             Self::Fragile(value) => edit!(Fragile, Fragile { value }),
             Self::Woven(depth) => edit!(Woven, Woven { depth }),
             Self::Yarn(depth) => edit!(Yarn, Yarn { depth }),
+            Self::Limited { size, by } => edit!(Limited, Limited { size, by }),
             Self::Keyed => edit!(Keyed, Keyed {}),
             Self::Group
             | Self::Placed

@@ -6,8 +6,10 @@ use sapwood_geom::glam::{Affine3, Vec3};
 use sapwood_geom::{Bound, Polyline, Shared, SharedMesh};
 use smallvec::SmallVec;
 
-use super::{Code, Drawn, Followed, Fragment, Instanced, Packed, RenderNode, Shown, StoredRun};
-use crate::{Camera, Facing, Fading, Kind, Label, Light, Material, Rig};
+use super::{
+    Code, Drawn, Followed, Fragment, Instanced, Lined, Packed, RenderNode, Shown, StoredRun,
+};
+use crate::{Aspects, Camera, Facing, Fading, Kind, Label, Light, Limiter, Material, Rig};
 
 /// Builds a [`Fragment`] node by node; whoever opens a node closes it.
 pub struct FragmentBuilder {
@@ -59,6 +61,13 @@ impl FragmentBuilder {
         self.open(Code::Fading(i));
     }
 
+    /// Opens a node under which one aspect is drawn of what this fragment draws up to the matching
+    /// [`close`](Self::close).
+    pub fn open_aspects(&mut self, aspects: Aspects) {
+        let i = number_of(&mut self.drawn().aspects, aspects);
+        self.open(Code::Aspects(i));
+    }
+
     /// Opens a node under which meshes and instances may sway: those of this fragment, up to the
     /// matching [`close`](Self::close), that [follow](Self::follows) joints of the rig.
     pub fn open_swaying(&mut self, rig: Shared<Rig>) {
@@ -69,8 +78,10 @@ impl FragmentBuilder {
     /// How much larger instances may be drawn where the next node stands.
     fn largest_growth(&self) -> f32 {
         for index in self.open.iter().rev() {
-            if let RenderNode::Fading(fading) = self.fragment.node(*index) {
-                return fading.largest_growth();
+            match self.fragment.node(*index).limiter() {
+                Some(Limiter::Fading(fading)) => return fading.largest_growth(),
+                Some(Limiter::Aspects(_)) => return 1.0,
+                None => {}
             }
         }
         1.0
@@ -132,9 +143,9 @@ impl FragmentBuilder {
         self.push(Code::Instances(i));
     }
 
-    /// Adds lines.
-    pub fn lines(&mut self, lines: Shared<Vec<Polyline>>) {
-        let i = number_of(&mut self.drawn().lines, lines);
+    /// Adds lines, with a look of their own or what whoever draws them chooses.
+    pub fn lines(&mut self, lines: Shared<Vec<Polyline>>, material: Option<Arc<Material>>) {
+        let i = number_of(&mut self.drawn().lines, Lined { lines, material });
         self.push(Code::Lines(i));
     }
 
@@ -292,7 +303,7 @@ mod tests {
             if close_early {
                 builder.close();
             }
-            builder.lines(Shared::new(vec![Polyline::default()]));
+            builder.lines(Shared::new(vec![Polyline::default()]), None);
             Digest::of(&builder.finish())
         };
         assert_ne!(digest(true), digest(false));

@@ -27,7 +27,10 @@ pub fn fragment_bound(
             children.fold(Bound::EMPTY, |all, each| all.union(&each))
         };
         bounds[index as usize] = match fragment.node(index) {
-            RenderNode::Group | RenderNode::Fading(_) | RenderNode::Swaying(_) => under(&bounds),
+            RenderNode::Group
+            | RenderNode::Fading(_)
+            | RenderNode::Aspects(_)
+            | RenderNode::Swaying(_) => under(&bounds),
             RenderNode::Transform(transform) => under(&bounds).transformed(transform),
             RenderNode::Live(value) => under(&bounds).transformed(&live[value as usize]),
             RenderNode::Facing(facing) => facing.bound_of(&under(&bounds)),

@@ -3,7 +3,8 @@
 //! The list has two levels. A *body* is what one authored component draws, in its own frame; an
 //! *occurrence* puts a body somewhere. What is shared in the scene is one body with several
 //! occurrences. What turns to the eye is a body of its own, for it is turned differently at each
-//! place; what fades with the distance has a body for each set of limits that some place gives it.
+//! place; what fades with the distance, or shows its aspects by the direction, has a body for each
+//! set of limits that some place gives it.
 //! The list is built anew each time. What sways stands at rest in it, with a rig that tells how it
 //! moves; moving it is the business of `poses`.
 
@@ -17,7 +18,7 @@ use sapwood_geom::glam::Affine3;
 use sapwood_geom::{Digest, FixedMap, Mesh, Polyline, Shared, SharedMesh, fixed_state};
 
 pub use super::rigged::Follows;
-use crate::{Camera, DrawRange, EnvId, Fading, Kind, Label, Light, Material, Rig, SiteId, Supply};
+use crate::{Camera, DrawRange, EnvId, Kind, Label, Light, Limiter, Material, Rig, SiteId, Supply};
 use look::{Limits, Look};
 
 /// Everything that a view draws.
@@ -122,6 +123,8 @@ pub struct LineRow {
     pub local: Affine3,
     /// The lines.
     pub lines: Shared<Vec<Polyline>>,
+    /// Their look; nothing where whoever draws them chooses.
+    pub material: Option<Arc<Material>>,
     /// Which of them are drawn; nothing for all.
     pub range: Option<DrawRange>,
 }
@@ -310,9 +313,9 @@ pub(super) struct Builder<'a> {
     max_rows: usize,
     n_rows: usize,
     seen: FixedMap<Top, usize>,
-    looks: Vec<Look>,
-    /// What has tops fade that turn.
-    fading_above: FixedMap<Top, &'a Fading>,
+    looks: Vec<Look<'a>>,
+    /// What limits tops that turn.
+    limiter_above: FixedMap<Top, Limiter<'a>>,
     /// Bodies that fade, by the look and what is left of them.
     faded: FixedMap<(usize, Vec<Limits>), Option<u32>>,
 }
@@ -327,7 +330,7 @@ impl<'a> Builder<'a> {
             n_rows: 0,
             seen: FixedMap::with_hasher(fixed_state()),
             looks: Vec::new(),
-            fading_above: FixedMap::with_hasher(fixed_state()),
+            limiter_above: FixedMap::with_hasher(fixed_state()),
             faded: FixedMap::with_hasher(fixed_state()),
         }
     }

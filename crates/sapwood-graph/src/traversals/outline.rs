@@ -109,7 +109,10 @@ impl Entry {
             self.errors.extend(plan.error.map(told));
         }
         match at.node() {
-            RenderNode::Group | RenderNode::Fading(_) | RenderNode::Swaying(_) => {}
+            RenderNode::Group
+            | RenderNode::Fading(_)
+            | RenderNode::Aspects(_)
+            | RenderNode::Swaying(_) => {}
             // How emitted components lie to each other is nobody's business.
             RenderNode::Transform(place) if plan.authored => self.how.extend(placing(place)),
             RenderNode::Transform(_) => {}

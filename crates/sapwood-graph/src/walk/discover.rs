@@ -161,6 +161,7 @@ impl<S: Clone> Pass<S> {
                 }
                 RenderNode::Group
                 | RenderNode::Fading(_)
+                | RenderNode::Aspects(_)
                 | RenderNode::Swaying(_)
                 | RenderNode::Mesh { .. }
                 | RenderNode::Instances { .. }

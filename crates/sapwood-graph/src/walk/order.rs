@@ -243,6 +243,7 @@ impl<I: Interest> Walker<'_, I> {
             RenderNode::Facing(facing) => task.world * facing.turn(&task.world, self.supply.eye()),
             RenderNode::Group
             | RenderNode::Fading(_)
+            | RenderNode::Aspects(_)
             | RenderNode::Swaying(_)
             | RenderNode::Mesh { .. }
             | RenderNode::Instances { .. }

@@ -162,7 +162,7 @@ fn lines_are_elements() {
     let lines = Shared::new(vec![line(3), line(1), line(2)]);
     let local = Affine3::from_translation(Vec3::X);
     let body = Body {
-        lines: vec![LineRow { local, lines, range: None }],
+        lines: vec![LineRow { local, lines, material: None, range: None }],
         ..Body::new(Kind::of::<Tree>())
     };
     let folder = tempfile::tempdir().unwrap();

@@ -1,9 +1,12 @@
 //! Gathering: from what is compiled to clusters.
 
+use std::sync::Arc;
+
 use sapwood_geom::glam::{Affine3, Vec3};
 use sapwood_geom::{FixedSet, SharedMesh, fixed_state};
 use sapwood_graph::{
-    DrawRange, EnvId, Fading, FadingAbove, Interrupted, RenderNode, Run, SiteId, Supplied, Supply,
+    DrawRange, EnvId, Interrupted, LimitsAbove, Material, RenderNode, Run, SiteId, Supplied,
+    Supply, Vantage,
 };
 
 use super::{Cluster, Item, LinePiece, MOST_ITEMS, Place, PlacedLight, Surface, Wait, World};
@@ -121,12 +124,12 @@ impl<'a> Gather<'a> {
         // Transforms above the node at hand: where each ends, and the product so far.
         let mut above: Vec<(u32, Affine3)> = Vec::new();
         let mut frame = here.frame;
-        let mut fading = FadingAbove::default();
+        let mut limits = LimitsAbove::default();
         for index in 0..plan.fragment.len() {
             while let Some((_, outer)) = above.pop_if(|(end, _)| *end <= index) {
                 frame = outer;
             }
-            fading.go_on_to(index);
+            limits.go_on_to(index);
             let place = match plan.fragment.node(index) {
                 RenderNode::Group
                 | RenderNode::Swaying(_)
@@ -137,16 +140,19 @@ impl<'a> Gather<'a> {
                 RenderNode::Facing(facing) => {
                     facing.turn(&(task.outside * frame), self.supply.eye())
                 }
-                RenderNode::Fading(below) => {
-                    let range = Fading::range(&(task.outside * frame), self.supply.eye());
-                    fading.enter(plan.fragment.after(index), below, range);
+                limiting @ (RenderNode::Fading(_) | RenderNode::Aspects(_)) => {
+                    if let Some(limiter) = limiting.limiter() {
+                        let vantage = Vantage::of(&(task.outside * frame), self.supply.eye());
+                        limits.enter(plan.fragment.after(index), limiter, vantage);
+                    }
                     continue;
                 }
                 drawn @ (RenderNode::Mesh { .. }
                 | RenderNode::Instances { .. }
                 | RenderNode::Lines(_)
                 | RenderNode::Light(_)) => {
-                    let part = fading.drawn(plan.fragment.n_drawn(index).unwrap_or(1));
+                    let part = limits.drawn(plan.fragment.n_drawn(index).unwrap_or(1));
+                    let drawn = (drawn, plan.fragment.line_material(index));
                     self.add(drawn, part, &frame, task, items);
                     continue;
                 }
@@ -163,7 +169,7 @@ impl<'a> Gather<'a> {
     /// Adds what one node draws, as far as it is drawn, instances larger by a factor.
     fn add(
         &mut self,
-        drawn: RenderNode<'_>,
+        (drawn, of_lines): (RenderNode<'_>, Option<&Arc<Material>>),
         (part, growth): (DrawRange, f32),
         frame: &Affine3,
         task: &Task,
@@ -188,11 +194,12 @@ impl<'a> Gather<'a> {
             RenderNode::Lines(lines) => {
                 let width = self.world.line_width;
                 self.world.has_lines = true;
+                let look = of_lines.map(|material| self.world.look(material));
                 for line in part.of(lines).iter().filter(|line| line.fault().is_none()) {
                     let piece = |i: usize| {
                         let ends = [i, i + 1].map(|i| frame.transform_point3(line.points[i]));
                         let radii = [line.radii[i], line.radii[i + 1]];
-                        LinePiece::new(ends, radii, &width, &task.outside)
+                        LinePiece::new(ends, radii, look, &width, &task.outside)
                     };
                     let first = self.world.lines.len() as u32;
                     let n_pieces = line.points.len().saturating_sub(1);
@@ -213,6 +220,7 @@ impl<'a> Gather<'a> {
             | RenderNode::Live(_)
             | RenderNode::Facing(_)
             | RenderNode::Fading(_)
+            | RenderNode::Aspects(_)
             | RenderNode::Swaying(_)
             | RenderNode::Camera(_)
             | RenderNode::Label(_)

@@ -41,6 +41,8 @@ impl LineWidth {
 pub(crate) struct LinePiece {
     ends: [Vec3; 2],
     radii: [f32; 2],
+    /// The number of their look, where they have one.
+    pub(crate) look: Option<u32>,
 }
 
 /// Where a ray meets a rod.
@@ -55,11 +57,12 @@ impl LinePiece {
     pub(super) fn new(
         ends: [Vec3; 2],
         radii: [f32; 2],
+        look: Option<u32>,
         width: &LineWidth,
         outside: &Affine3,
     ) -> Self {
         let radius = |i: usize| radii[i].max(width.at(ends[i], outside));
-        Self { ends, radii: [radius(0), radius(1)] }
+        Self { ends, radii: [radius(0), radius(1)], look }
     }
 
     pub(super) fn aabb(&self) -> Aabb {
@@ -104,7 +107,7 @@ mod tests {
     use super::*;
 
     fn rod() -> LinePiece {
-        LinePiece { ends: [Vec3::ZERO, Vec3::Y * 2.0], radii: [0.5, 0.25] }
+        LinePiece { ends: [Vec3::ZERO, Vec3::Y * 2.0], radii: [0.5, 0.25], look: None }
     }
 
     #[test]

@@ -64,6 +64,11 @@ impl Look {
         self.material.base_color[3] * image >= least
     }
 
+    /// What the material is like on the whole, as of something too thin to show its images.
+    pub(crate) fn mean(&self) -> Matter {
+        Matter { normal: None, ..self.at(Vec2::splat(0.5), 1.0) }
+    }
+
     /// What the material is like where `texture_size` is the share of an image's width that one
     /// pixel sees.
     pub(crate) fn at(&self, uv: Vec2, texture_size: f32) -> Matter {

@@ -79,6 +79,7 @@ impl Survey {
                     RenderNode::Lines(_)
                     | RenderNode::Facing(_)
                     | RenderNode::Fading(_)
+                    | RenderNode::Aspects(_)
                     | RenderNode::Light(_) => {
                         depends_on_place = true;
                     }

@@ -47,7 +47,8 @@ pub fn segments() -> RuleSet {
 
 /// Trees of which less is drawn the further away they are from the view's
 /// [`Viewer`](sapwood_scene::Viewer), as [`FadingSlot`](super::FadingSlot) says; stems are shared with
-/// [`full`]. Polygons give way to lines, which have no material, and those of leaves to triangles.
+/// [`full`]. Polygons give way to lines of the bark's
+/// material, and those of leaves to triangles.
 pub fn fading() -> RuleSet {
     RuleSet::new().with(fading::FadingSurfaceRule).with(fading::FadingLeavesRule).over(&full())
 }

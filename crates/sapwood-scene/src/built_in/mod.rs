@@ -5,6 +5,7 @@ mod billboard;
 mod graph_nodes;
 mod group;
 mod held_geometry;
+mod held_impostor;
 mod held_instances;
 mod kit;
 mod level_of_detail;
@@ -17,6 +18,7 @@ pub use attribute::Attribute;
 pub use billboard::Billboard;
 pub use group::Group;
 pub use held_geometry::HeldGeometry;
+pub use held_impostor::HeldImpostor;
 pub use held_instances::HeldInstances;
 pub use kit::{Kit, KitRule, KitTemplate};
 pub use level_of_detail::LevelOfDetail;
@@ -45,6 +47,7 @@ pub fn built_in_rules() -> RuleSet {
         // What is there to see.
         .with(held_geometry::HeldGeometryRule)
         .with(held_instances::HeldInstancesRule)
+        .with(held_impostor::HeldImpostorRule)
         .with(graph_nodes::LightRule)
         .with(graph_nodes::CameraRule)
         .with(graph_nodes::LabelRule)

@@ -7,13 +7,13 @@ use sapwood_geom::{Mesh, Shared, SharedMesh};
 
 use super::{Body, Builder, CameraRow, DrawRow, LabelRow, LightRow, LineRow, Top};
 use crate::traversals::rigged::Rigging;
-use crate::{DrawRange, Facing, Fading, RenderNode, Rig, Supplied, Supply};
+use crate::{DrawRange, Facing, Limiter, RenderNode, Rig, Supplied, Supply, Vantage};
 
 /// What is drawn from a top on, and the tops right below it.
-pub(super) struct Look {
+pub(super) struct Look<'a> {
     body: Option<u32>,
-    /// A body that is not the same everywhere, for some of it fades.
-    fading: Option<Box<FadingBody>>,
+    /// A body that is not the same everywhere, for some of it is limited.
+    limited: Option<Box<LimitedBody<'a>>>,
     pub(super) below: Vec<Below>,
     /// Whether there is a body here or anywhere below.
     pub(super) draws: bool,
@@ -52,38 +52,38 @@ impl FadesAt {
 /// What stands above a node in its plan.
 #[derive(Clone, Copy, Default)]
 struct Above<'a> {
-    /// The lowest fading node, and where its distance is measured.
-    fading: Option<(&'a Fading, FadesAt)>,
+    /// The lowest limiting node, and where the eye's distance and direction are measured.
+    limiter: Option<(Limiter<'a>, FadesAt)>,
     /// The lowest rig, and from its frame to the body's.
     rig: Option<(&'a Shared<Rig>, Affine3)>,
 }
 
-struct FadingBody {
+struct LimitedBody<'a> {
     /// With everything in it.
     whole: Body,
-    rows: Vec<FadingRow>,
+    rows: Vec<LimitedRow<'a>>,
 }
 
-/// A row that fades.
-struct FadingRow {
+/// A row that is limited.
+struct LimitedRow<'a> {
     /// Whether it is one of lines.
     is_lines: bool,
     number: usize,
     /// How many triangles, instances or lines it has.
     n: u32,
-    fading: Fading,
+    limiter: Limiter<'a>,
     at: FadesAt,
 }
 
 /// What is drawn of one row, and the bits of how much larger.
 pub(super) type Limits = (DrawRange, u32);
 
-impl FadingBody {
+impl LimitedBody<'_> {
     fn limits(&self, world: &Affine3, above: Option<&Affine3>, supply: &dyn Supply) -> Vec<Limits> {
         let limits = self.rows.iter().map(|row| {
             let at = row.at.world(world, &above.copied()).unwrap_or(*world);
-            let range = Fading::range(&at, supply.eye());
-            (row.fading.drawn(row.n, range), row.fading.growth(range).to_bits())
+            let vantage = Vantage::of(&at, supply.eye());
+            (row.limiter.drawn(row.n, &vantage), row.limiter.growth(&vantage).to_bits())
         });
         limits.collect()
     }
@@ -121,12 +121,12 @@ impl<'a> Builder<'a> {
         world: &Affine3,
         fades_at: Option<&Affine3>,
     ) -> Option<u32> {
-        let Some(fading) = &self.looks[look].fading else { return self.looks[look].body };
-        let limits = fading.limits(world, fades_at, self.supply);
+        let Some(limited) = &self.looks[look].limited else { return self.looks[look].body };
+        let limits = limited.limits(world, fades_at, self.supply);
         if let Some(known) = self.faded.get(&(look, limits.clone())) {
             return *known;
         }
-        let body = fading.limited(&limits);
+        let body = limited.limited(&limits);
         let number = self.list.add(body);
         self.faded.insert((look, limits), number);
         number
@@ -139,10 +139,10 @@ impl<'a> Builder<'a> {
         }
         let mut body = Body::new(self.supply.plan(top.site).kind);
         let mut below = Vec::new();
-        let mut fading_rows = Vec::new();
+        let mut limited_rows = Vec::new();
         let mut rigging: Option<Rigging> = None;
-        let fading = self.fading_above.get(&top).map(|fading| (*fading, FadesAt::Above));
-        let above = Above { fading, rig: None };
+        let limiter = self.limiter_above.get(&top).map(|limiter| (*limiter, FadesAt::Above));
+        let above = Above { limiter, rig: None };
         let mut stack = vec![(top.site, top.node, Affine3::IDENTITY, above)];
         while let Some((site, index, local, above)) = stack.pop() {
             let plan = self.supply.plan(site);
@@ -156,11 +156,11 @@ impl<'a> Builder<'a> {
             let follows = follows.map(|((rig, local), numbers)| {
                 rigging.get_or_insert_with(Rigging::new).follows(numbers, rig, &local)
             });
-            if let (Some((fading, at)), Some(n)) = (above.fading, plan.fragment.n_drawn(index)) {
+            if let (Some((limiter, at)), Some(n)) = (above.limiter, plan.fragment.n_drawn(index)) {
                 let is_lines = matches!(plan.fragment.node(index), RenderNode::Lines(_));
                 let number = if is_lines { body.lines.len() } else { body.rows.len() };
-                let (n, fading) = (n as u32, fading.clone());
-                fading_rows.push(FadingRow { is_lines, number, n, fading, at });
+                let n = n as u32;
+                limited_rows.push(LimitedRow { is_lines, number, n, limiter, at });
             }
             match plan.fragment.node(index) {
                 RenderNode::Group => inside(local),
@@ -171,16 +171,16 @@ impl<'a> Builder<'a> {
                     if here == top {
                         inside(local);
                     } else {
-                        if let Some((fading, _)) = above.fading {
-                            self.fading_above.insert(here, fading);
+                        if let Some((limiter, _)) = above.limiter {
+                            self.limiter_above.insert(here, limiter);
                         }
-                        let (facing, fades_at) = (Some(*facing), above.fading.map(|(_, at)| at));
+                        let (facing, fades_at) = (Some(*facing), above.limiter.map(|(_, at)| at));
                         below.push(Below { top: here, local, facing, fades_at });
                     }
                 }
-                RenderNode::Fading(fading) => {
-                    let fading = Some((fading, FadesAt::Here(local)));
-                    inside_of(local, Above { fading, ..above });
+                limiting @ (RenderNode::Fading(_) | RenderNode::Aspects(_)) => {
+                    let limiter = limiting.limiter().map(|by| (by, FadesAt::Here(local)));
+                    inside_of(local, Above { limiter, ..above });
                 }
                 RenderNode::Swaying(rig) => {
                     inside_of(local, Above { rig: Some((rig, local)), ..above });
@@ -202,7 +202,8 @@ impl<'a> Builder<'a> {
                     follows,
                 }),
                 RenderNode::Lines(lines) => {
-                    body.lines.push(LineRow { local, lines: lines.clone(), range: None });
+                    let material = plan.fragment.line_material(index).cloned();
+                    body.lines.push(LineRow { local, lines: lines.clone(), material, range: None });
                 }
                 RenderNode::Light(light) => {
                     body.lights.push(LightRow { local, light: light.clone() });
@@ -231,12 +232,12 @@ impl<'a> Builder<'a> {
             stack[first..].reverse();
         }
         body.rig = rigging.map(Rigging::finish);
-        let look = if fading_rows.is_empty() {
+        let look = if limited_rows.is_empty() {
             let body = self.list.add(body);
-            Look { body, fading: None, below, draws: body.is_some() }
+            Look { body, limited: None, below, draws: body.is_some() }
         } else {
-            let fading = Some(Box::new(FadingBody { whole: body, rows: fading_rows }));
-            Look { body: None, fading, below, draws: true }
+            let limited = Some(Box::new(LimitedBody { whole: body, rows: limited_rows }));
+            Look { body: None, limited, below, draws: true }
         };
         self.looks.push(look);
         let look = self.looks.len() - 1;

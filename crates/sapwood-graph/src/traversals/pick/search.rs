@@ -12,8 +12,8 @@ use super::lines::{Passed, meet_label, pass_lines};
 use super::sight::Sight;
 use super::{Hit, PickOptions, PickedPart, PickedSides, Struck};
 use crate::{
-    DrawRange, EnvId, Fading, FadingAbove, Interrupted, Material, PlanRef, RenderNode, Run, SiteId,
-    Supplied, Supply,
+    DrawRange, EnvId, Interrupted, LimitsAbove, Material, PlanRef, RenderNode, Run, SiteId,
+    Supplied, Supply, Vantage,
 };
 
 pub(super) struct Search<'a> {
@@ -151,12 +151,12 @@ impl<'a> Search<'a> {
         let mut above: Vec<(u32, Affine3)> = Vec::new();
         let mut here = frame.world;
         let mut sight: Option<Sight> = None;
-        let mut fading = FadingAbove::default();
+        let mut limits = LimitsAbove::default();
         for index in 0..plan.fragment.len() {
             while let Some((_, outer)) = above.pop_if(|(end, _)| *end <= index) {
                 (here, sight) = (outer, None);
             }
-            fading.go_on_to(index);
+            limits.go_on_to(index);
             let place = match plan.fragment.node(index) {
                 RenderNode::Group
                 | RenderNode::Swaying(_)
@@ -165,9 +165,11 @@ impl<'a> Search<'a> {
                 RenderNode::Transform(transform) => *transform,
                 RenderNode::Live(live) => plan.live[live as usize],
                 RenderNode::Facing(facing) => facing.turn(&here, self.supply.eye()),
-                RenderNode::Fading(below) => {
-                    let range = Fading::range(&here, self.supply.eye());
-                    fading.enter(plan.fragment.after(index), below, range);
+                limiting @ (RenderNode::Fading(_) | RenderNode::Aspects(_)) => {
+                    if let Some(limiter) = limiting.limiter() {
+                        let vantage = Vantage::of(&here, self.supply.eye());
+                        limits.enter(plan.fragment.after(index), limiter, vantage);
+                    }
                     continue;
                 }
                 drawn @ (RenderNode::Mesh { .. }
@@ -175,7 +177,7 @@ impl<'a> Search<'a> {
                 | RenderNode::Lines(_)
                 | RenderNode::Label(_)) => {
                     let sight = sight.get_or_insert_with(|| Sight::new(self.ray, &here));
-                    let part = fading.drawn(plan.fragment.n_drawn(index).unwrap_or(1));
+                    let part = limits.drawn(plan.fragment.n_drawn(index).unwrap_or(1));
                     self.meet(&plan, index, drawn, part, sight, step);
                     continue;
                 }
@@ -261,6 +263,7 @@ impl<'a> Search<'a> {
             | RenderNode::Live(_)
             | RenderNode::Facing(_)
             | RenderNode::Fading(_)
+            | RenderNode::Aspects(_)
             | RenderNode::Swaying(_)
             | RenderNode::Light(_)
             | RenderNode::Camera(_)
@@ -430,6 +433,7 @@ impl Search<'_> {
                 | RenderNode::Live(_)
                 | RenderNode::Facing(_)
                 | RenderNode::Fading(_)
+                | RenderNode::Aspects(_)
                 | RenderNode::Swaying(_)
                 | RenderNode::Lines(_)
                 | RenderNode::Light(_)

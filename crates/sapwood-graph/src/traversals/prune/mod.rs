@@ -27,8 +27,8 @@ use super::{
     Body, CameraRow, DrawList, DrawRow, LabelRow, LightRow, LineRow, Occurrence, TooManyRows,
 };
 use crate::{
-    At, Handlers, Interrupted, LightShape, Material, Order, Part, Provide, RenderNode, Supply,
-    discover, walk,
+    At, Handlers, Interrupted, LightShape, Limiter, Material, Order, Part, Provide, RenderNode,
+    Supply, discover, walk,
 };
 use cut::{Remains, Surface, Through};
 use fate::Fates;
@@ -238,8 +238,9 @@ fn draw(
 ) -> Result<(), TooManyRows> {
     let (local, envelope) = (*at.world(), &pruning.prune.envelope);
     let fragment = at.plan().fragment;
-    // What is cut does not fade: it is there as from nearby.
-    if let (Some(fading), Some(n)) = (fragment.fading_of(at.index()), fragment.n_drawn(at.index()))
+    // What is cut does not fade: it is there as from nearby, and from all sides.
+    let n_drawn = fragment.n_drawn(at.index());
+    if let (Some(Limiter::Fading(fading)), Some(n)) = (fragment.limiter_of(at.index()), n_drawn)
         && fading.drawn(n as u32, 0.0).is_empty()
     {
         return Ok(());
@@ -266,7 +267,10 @@ fn draw(
         }
         RenderNode::Lines(lines) => {
             let Some(lines) = of_lines(pruning, at, lines) else { return Ok(()) };
-            drawing.add(at, |body| body.lines.push(LineRow { local, lines, range: None }))
+            let material = fragment.line_material(at.index()).cloned();
+            drawing.add(at, |body| {
+                body.lines.push(LineRow { local, lines, material, range: None });
+            })
         }
         RenderNode::Light(light) => {
             if light.shape != LightShape::Directional && !is_here() {
@@ -288,6 +292,7 @@ fn draw(
         | RenderNode::Live(_)
         | RenderNode::Facing(_)
         | RenderNode::Fading(_)
+        | RenderNode::Aspects(_)
         | RenderNode::Swaying(_)
         | RenderNode::Deferred(_) => Ok(()),
     }

@@ -18,12 +18,14 @@ impl Verifier<'_> {
                 }
                 RenderNode::Facing(Facing::Eye) => {}
                 RenderNode::Swaying(rig) => self.tell_fault(kind, "rig", rig.fault()),
-                RenderNode::Fading(fading) => {
+                limiting @ (RenderNode::Fading(_) | RenderNode::Aspects(_)) => {
+                    let limiter = limiting.limiter();
                     let mut below = index + 1;
                     while below < plan.fragment.after(index) {
-                        let fault = plan.fragment.n_drawn(below).and_then(|n| fading.fault(n));
+                        let fault = limiter.zip(plan.fragment.n_drawn(below));
+                        let fault = fault.and_then(|(limiter, n)| limiter.fault(n));
                         self.tell_fault(kind, "node", fault);
-                        let is_nested = matches!(plan.fragment.node(below), RenderNode::Fading(_));
+                        let is_nested = plan.fragment.node(below).limiter().is_some();
                         below = if is_nested { plan.fragment.after(below) } else { below + 1 };
                     }
                 }

@@ -5,10 +5,13 @@
 //! What fades by its own rule, or was compiled for one range, is given as it is drawn; so is
 //! everything that is no tree.
 
+use std::sync::Arc;
+
 use sapwood_geom::{FixedMap, Mesh, Polyline, Shared, SharedMesh, fixed_state};
 use sapwood_graph::{
     At, Body, CameraRow, DrawList, DrawRange, DrawRow, Everything, Eye, Fading, Kind, LabelRow,
-    LightRow, LineRow, Named, Occurrence, Order, RenderNode, even_order, n_drawn,
+    LightRow, LineRow, Material, Named, Occurrence, Order, RenderNode, TooManyRows, Vantage,
+    even_order, n_drawn,
 };
 use sapwood_scene::{Scene, ViewError, ViewId};
 
@@ -37,12 +40,14 @@ impl Named for Faded {
 /// a triangle, whatever its shape is. All of it is one body in the root's frame.
 ///
 /// # Errors
-/// When the view is closed, or compiling was interrupted.
+/// When the view is closed, compiling was interrupted, or there would be more than `max_rows` rows of
+/// all sorts together.
 pub fn faded(
     scene: &mut Scene,
     view: ViewId,
     params: &FadingParams,
     eye: Option<&Eye>,
+    max_rows: usize,
 ) -> Result<DrawList, ViewError> {
     let mut emitting = Emitting {
         params,
@@ -50,8 +55,13 @@ pub fn faded(
         stems: FixedMap::with_hasher(fixed_state()),
         above: FixedMap::with_hasher(fixed_state()),
         body: Body::new(Kind::of::<Faded>()),
+        n_left: max_rows,
+        refused: None,
     };
     scene.traverse(view, Order::Pre, &Everything, &mut |at| emitting.visit(at))?;
+    if let Some(kind) = emitting.refused {
+        return Err(TooManyRows { limit: max_rows, kind }.into());
+    }
     let occurrence = Occurrence { body: 0, world: Affine3::IDENTITY };
     Ok(DrawList { bodies: vec![emitting.body], occurrences: vec![occurrence] })
 }
@@ -62,15 +72,23 @@ struct Emitting<'a> {
     /// The level of the stems that a plan has as parts, and their segments as lines, by the number
     /// of its place.
     stems: FixedMap<u32, (u8, Vec<Polyline>)>,
-    /// The fading nodes above the node at hand, by the number of the place: where each ends, and at
-    /// which range it is.
-    above: FixedMap<u32, Vec<(u32, Fading, f32)>>,
+    /// The limiting nodes above the node at hand, by the number of the place: where each ends, and
+    /// from where it is looked at.
+    above: FixedMap<u32, Vec<(u32, Vantage)>>,
     body: Body,
+    /// Rows that may still be added.
+    n_left: usize,
+    /// The kind of what would have been one row too many.
+    refused: Option<Kind>,
 }
 
 impl Emitting<'_> {
     fn visit(&mut self, at: &At<'_, ()>) {
+        if self.refused.is_some() {
+            return;
+        }
         let (plan, number, local) = (at.plan(), at.path().number(), *at.world());
+        let n_before = self.n_rows();
         if at.enters_plan() {
             let segments = plan.parts.of::<Segment>();
             if let (Some(first), false) = (plan.parts.of::<Stem>().first(), segments.is_empty()) {
@@ -80,7 +98,7 @@ impl Emitting<'_> {
         }
         let index = at.index();
         if let Some(above) = self.above.get_mut(&number) {
-            while above.pop_if(|(end, _, _)| *end <= index).is_some() {}
+            while above.pop_if(|(end, _)| *end <= index).is_some() {}
         }
         let range = self.params.fixed_range.unwrap_or_else(|| Fading::range(&local, self.eye));
         let shows = plan.fragment.shown(index).map(|shown| shown.kind());
@@ -92,10 +110,9 @@ impl Emitting<'_> {
             | RenderNode::Facing(_)
             | RenderNode::Swaying(_)
             | RenderNode::Deferred(_) => {}
-            RenderNode::Fading(fading) => {
-                let range = Fading::range(&local, self.eye);
+            RenderNode::Fading(_) | RenderNode::Aspects(_) => {
                 let above = self.above.entry(number).or_default();
-                above.push((plan.fragment.after(index), fading.clone(), range));
+                above.push((plan.fragment.after(index), Vantage::of(&local, self.eye)));
             }
             RenderNode::Mesh { mesh, material } => {
                 let row = DrawRow {
@@ -103,7 +120,7 @@ impl Emitting<'_> {
                     mesh: mesh.clone(),
                     material: material.clone(),
                     instances: None,
-                    range: self.limit(number, mesh.n_triangles()),
+                    range: self.limit(at, mesh.n_triangles()),
                     follows: None,
                 };
                 let stems = self.stems.get(&at.path().number_above());
@@ -111,7 +128,7 @@ impl Emitting<'_> {
                     Some((level, lines)) => {
                         let item = FadingItem::of_level(*level);
                         let lines = lines_left(lines, item, self.params, range);
-                        self.add_lines(local, lines);
+                        self.add_lines(local, lines, material);
                         let share = item.polygons(self.params).share(range);
                         self.add(DrawRow { mesh: quads_left(mesh, item, share), ..row });
                     }
@@ -124,7 +141,7 @@ impl Emitting<'_> {
                     mesh: mesh.clone(),
                     material: material.clone(),
                     instances: Some(transforms.clone()),
-                    range: self.limit(number, transforms.len()),
+                    range: self.limit(at, transforms.len()),
                     follows: None,
                 };
                 if fades && shows == Some(Kind::of::<Leaf>()) {
@@ -134,8 +151,9 @@ impl Emitting<'_> {
                 }
             }
             RenderNode::Lines(lines) => {
-                let range = self.limit(number, lines.len());
-                self.body.lines.push(LineRow { local, lines: lines.clone(), range });
+                let material = plan.fragment.line_material(index).cloned();
+                let range = self.limit(at, lines.len());
+                self.body.lines.push(LineRow { local, lines: lines.clone(), material, range });
             }
             RenderNode::Light(light) => {
                 self.body.lights.push(LightRow { local, light: light.clone() });
@@ -147,12 +165,23 @@ impl Emitting<'_> {
                 self.body.labels.push(LabelRow { local, label: label.clone() });
             }
         }
+        let n_added = self.n_rows() - n_before;
+        match self.n_left.checked_sub(n_added) {
+            Some(n_left) => self.n_left = n_left,
+            None => self.refused = Some(plan.kind),
+        }
     }
 
-    /// What the fading nodes above leave of `n` triangles, instances or lines.
-    fn limit(&self, number: u32, n: usize) -> Option<DrawRange> {
-        let (_, fading, range) = self.above.get(&number)?.last()?;
-        Some(fading.drawn(n as u32, *range))
+    fn n_rows(&self) -> usize {
+        let Body { kind: _, rows, lines, lights, cameras, labels, rig: _ } = &self.body;
+        rows.len() + lines.len() + lights.len() + cameras.len() + labels.len()
+    }
+
+    /// What the limiting nodes above leave of `n` triangles, instances or lines.
+    fn limit(&self, at: &At<'_, ()>, n: usize) -> Option<DrawRange> {
+        let (_, vantage) = self.above.get(&at.path().number())?.last()?;
+        let limiter = at.plan().fragment.limiter_of(at.index())?;
+        Some(limiter.drawn(n as u32, vantage))
     }
 
     fn add(&mut self, row: DrawRow) {
@@ -161,9 +190,10 @@ impl Emitting<'_> {
         }
     }
 
-    fn add_lines(&mut self, local: Affine3, lines: Vec<Polyline>) {
+    fn add_lines(&mut self, local: Affine3, lines: Vec<Polyline>, bark: &Arc<Material>) {
         if !lines.is_empty() {
-            self.body.lines.push(LineRow { local, lines: Shared::new(lines), range: None });
+            let (lines, material) = (Shared::new(lines), Some(Arc::clone(bark)));
+            self.body.lines.push(LineRow { local, lines, material, range: None });
         }
     }
 

@@ -59,6 +59,7 @@ impl Rule for FadingSurfaceRule {
         // A line inside its tube could only be seen where the tube is thinner than a line is drawn.
         let lines = fading(lines, polygons, None);
         let stems: Arc<[u32]> = ordered.stems.into();
+        let line_bark = Arc::clone(&bark);
         let Some(range) = params.fixed_range else {
             Carried::sway(carried, segments, cx, |cx, follow| {
                 cx.fading(tubes, |cx| {
@@ -69,7 +70,7 @@ impl Rule for FadingSurfaceRule {
             });
             cx.fading(lines, |cx| {
                 let each: Vec<u32> = (1..=stems.len() as u32).collect();
-                cx.lines(Shared::new(ordered.lines));
+                cx.lines_of(Shared::new(ordered.lines), line_bark);
                 cx.shows(Shown::rows::<Stem>(each, Arc::clone(&stems)));
             });
             return Ok(SelfFading);
@@ -83,7 +84,7 @@ impl Rule for FadingSurfaceRule {
         let drawn = lines.drawn(stems.len() as u32, range);
         if !drawn.is_empty() {
             let each: Vec<u32> = (1..=drawn.len()).collect();
-            cx.lines(Shared::new(drawn.of(&ordered.lines).to_vec()));
+            cx.lines_of(Shared::new(drawn.of(&ordered.lines).to_vec()), line_bark);
             cx.shows(Shown::rows::<Stem>(each, drawn.of(&stems).to_vec()));
         }
         Ok(SelfFading)

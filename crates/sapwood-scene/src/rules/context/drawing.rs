@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use sapwood_geom::glam::Affine3;
 use sapwood_geom::{Polyline, Shared, SharedMesh};
-use sapwood_graph::{Camera, Facing, Fading, Label, Light, Material, Rig, Shown};
+use sapwood_graph::{Aspects, Camera, Facing, Fading, Label, Light, Material, Rig, Shown};
 
 use super::Context;
 use crate::slots::Placement;
@@ -39,6 +39,14 @@ impl Context<'_> {
     /// of lines as if nothing else were there. What it emits is not concerned.
     pub fn fading(&mut self, fading: Fading, inside: impl FnOnce(&mut Self)) {
         self.fragment.open_fading(fading);
+        inside(self);
+        self.fragment.close();
+    }
+
+    /// Has that aspect drawn of each mesh, of instances and of lines that `inside` draws whose
+    /// direction is nearest to the eye's. What it emits is not concerned.
+    pub fn aspects(&mut self, aspects: Aspects, inside: impl FnOnce(&mut Self)) {
+        self.fragment.open_aspects(aspects);
         inside(self);
         self.fragment.close();
     }
@@ -88,9 +96,15 @@ impl Context<'_> {
         }
     }
 
-    /// Adds lines.
+    /// Adds lines, in the colour that whoever draws them chooses.
     pub fn lines(&mut self, lines: Shared<Vec<Polyline>>) {
-        self.fragment.lines(lines);
+        self.fragment.lines(lines, None);
+    }
+
+    /// Adds lines that stand in for something with this material: pictures draw them in the mean
+    /// of its colours.
+    pub fn lines_of(&mut self, lines: Shared<Vec<Polyline>>, material: Arc<Material>) {
+        self.fragment.lines(lines, Some(material));
     }
 
     /// Tells which parts the mesh, the instances or the lines added last show, so that picking
