@@ -7,6 +7,7 @@ mod cutting;
 mod extremes;
 mod fading;
 mod foreseen;
+mod impostor;
 mod looks;
 mod pruning;
 mod seeds;

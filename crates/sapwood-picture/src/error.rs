@@ -17,6 +17,15 @@ pub enum PictureError {
         /// What it may be, in words.
         accepted: &'static str,
     },
+    /// An option of an impostor is out of its range.
+    Impostor {
+        /// Its name: `sides`.
+        name: &'static str,
+        /// What it is.
+        value: u32,
+        /// What it may be, in words.
+        accepted: &'static str,
+    },
     /// The camera cannot look: what is wrong, in words.
     Camera(String),
     /// There is nothing to point the camera at.
@@ -30,6 +39,9 @@ impl fmt::Display for PictureError {
         match self {
             Self::Option { name, value, accepted } => {
                 write!(f, "{name} of a picture: {value} (accepted: {accepted})")
+            }
+            Self::Impostor { name, value, accepted } => {
+                write!(f, "{name} of an impostor: {value} (accepted: {accepted})")
             }
             Self::Camera(fault) => write!(f, "the camera cannot look: {fault}"),
             Self::Empty => f.write_str("there is nothing to see: the scene has no extent"),

@@ -10,12 +10,14 @@
 //! scene, camera and options give the same bytes on any number of threads.
 //!
 //! Lights behind a foreseen bound do not shine, for nobody knows of them; labels and cameras are
-//! not drawn. A [`Sheet`] holds many pictures with their captions. This crate opens no files: the
+//! not drawn. A [`Sheet`] holds many pictures with their captions. [`Impostors`] holds boards with
+//! pictures that stand for something from afar. This crate opens no files: the
 //! picture is an [`Image`](sapwood_geom::Image).
 
 mod camera;
 mod error;
 mod film;
+mod impostor;
 mod lettering;
 mod light;
 mod options;
@@ -31,6 +33,7 @@ mod trace;
 mod world;
 
 pub use error::PictureError;
+pub use impostor::{ImpostorLight, ImpostorOptions, Impostors};
 pub use options::{Background, Ground, PictureOptions, Sky, Sun};
 pub use placed::PlacedCamera;
 pub use sheet::{Paper, Sheet};

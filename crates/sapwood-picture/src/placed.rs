@@ -115,10 +115,21 @@ impl PlacedCamera {
 
     /// From where the camera looks, for what turns to the eye: the value of the view's slot
     /// `Viewer`. What fades with the distance does so as in a picture of
-    /// [reference](Eye::REFERENCE_ROWS) fineness.
+    /// [reference](Eye::REFERENCE_ROWS) fineness, whatever the lens: as it is told by ranges alone.
     pub fn eye(&self) -> Eye {
         let up = self.world.matrix3.y_axis;
         Eye { position: self.world.translation, up, rows_per_degree: Eye::REFERENCE_ROWS }
+    }
+
+    /// The same for a picture of this size: what fades does so the later, the more rows of pixels a
+    /// degree of the picture has, so that a telescope brings it near. Parallel rays have no
+    /// degrees and count as the reference.
+    pub fn eye_in(&self, size: [u32; 2]) -> Eye {
+        let rows_per_degree = match self.camera.lens {
+            Lens::Perspective { vertical_angle } => size[1] as f32 / vertical_angle.to_degrees(),
+            Lens::Orthographic { .. } => Eye::REFERENCE_ROWS,
+        };
+        Eye { rows_per_degree, ..self.eye() }
     }
 
     /// What is wrong with the camera, in words, or nothing.
@@ -287,5 +298,19 @@ mod tests {
         assert!(look(Vec3::NAN, Vec3::ONE).is_err());
         assert!(look(Vec3::ONE, Vec3::INFINITY).is_err());
         assert_eq!(look(Vec3::Y, Vec3::ZERO).unwrap().eye().up, Vec3::NEG_Z);
+    }
+
+    #[test]
+    fn a_telescope_sees_more_rows_in_a_degree() {
+        let rows = |degrees: f32, height| {
+            let lens = Lens::Perspective { vertical_angle: degrees.to_radians() };
+            let camera = PlacedCamera::look_at(lens, Vec3::Z, Vec3::ZERO).unwrap();
+            assert_eq!(camera.eye().rows_per_degree, Eye::REFERENCE_ROWS);
+            camera.eye_in([10, height]).rows_per_degree
+        };
+        assert!((rows(60.0, 1000) - Eye::REFERENCE_ROWS).abs() < 1e-4);
+        assert!((rows(6.0, 500) - 5.0 * Eye::REFERENCE_ROWS).abs() < 1e-3);
+        let flat = PlacedCamera::look_at(FLAT, Vec3::Z, Vec3::ZERO).unwrap();
+        assert_eq!(flat.eye_in([10, 10]), flat.eye());
     }
 }

@@ -1,0 +1,179 @@
+//! Impostors: images of a scene from many directions, on boards that stand for it from afar.
+//!
+//! Each direction has a cell of one image, taken by parallel rays from afar, and a board square to
+//! it that is as large as the cell shows and stands where it was taken. Where a cell is covered by
+//! halves, as by leaves that are smaller than its pixels, it is cut at such a coverage that
+//! the board covers as much as what it stands for (after I. Castano: "Computing Alpha Mipmaps",
+//! 2010), and its colours are corrected for what the cut leaves out.
+
+mod atlas;
+mod extent;
+mod options;
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use sapwood_geom::glam::{Vec2, Vec3};
+use sapwood_geom::{Digest, Digester, FixedMap, Mesh, Shared, SharedMesh, fixed_state};
+use sapwood_graph::{
+    Alpha, Aspects, DrawList, Everything, Impostor, Material, MaterialImages, Provide, discover,
+    draw_list,
+};
+
+use crate::{Background, PictureError, PictureOptions, Progress, Studio};
+
+use atlas::Atlas;
+use extent::{Frame, Points};
+pub use options::{ImpostorLight, ImpostorOptions};
+
+/// The coverage from which on a board is there.
+const LEAST_COVERAGE: f32 = 0.5;
+
+/// Makes impostors and keeps them: what was made once is made again only when what it stands for
+/// has changed.
+#[derive(Debug)]
+pub struct Impostors {
+    options: ImpostorOptions,
+    kept: FixedMap<Digest, Arc<Impostor>>,
+}
+
+impl Impostors {
+    /// None so far.
+    pub fn new(options: ImpostorOptions) -> Self {
+        Self { options, kept: FixedMap::with_hasher(fixed_state()) }
+    }
+
+    /// The impostor of everything that `provide` hands out, in the root's frame; compiles all of
+    /// it. `progress` is called now and then while pictures are taken, and stops it by breaking.
+    ///
+    /// It shows what the view draws as it is, so a view whose eye is far away gives an impostor of
+    /// what is left there: make impostors of views that have no eye.
+    ///
+    /// One that is there is found by a digest over the draw list, and costs what that costs.
+    ///
+    /// # Errors
+    /// When nothing is drawn, an option is out of its range, or compiling was cancelled or exhausted a
+    /// budget.
+    pub fn of(
+        &mut self,
+        provide: &mut dyn Provide,
+        progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
+    ) -> Result<Arc<Impostor>, PictureError> {
+        discover(provide, &Everything)?;
+        let list = match draw_list(&*provide, usize::MAX) {
+            Ok(list) => list,
+            Err(_) => return Err(PictureError::Empty),
+        };
+        let digest = digest(&list);
+        if let Some(kept) = self.kept.get(&digest) {
+            return Ok(Arc::clone(kept));
+        }
+        let made = Arc::new(made(provide, &list, &self.options, progress)?);
+        self.kept.insert(digest, Arc::clone(&made));
+        Ok(made)
+    }
+
+    /// How many impostors are kept.
+    pub fn n_kept(&self) -> usize {
+        self.kept.len()
+    }
+
+    /// Forgets all impostors that nobody else holds.
+    pub fn forget_unused(&mut self) {
+        self.kept.retain(|_, impostor| Arc::strong_count(impostor) > 1);
+    }
+}
+
+/// What a list draws.
+fn digest(list: &DrawList) -> Digest {
+    let mut digester = Digester::new();
+    for (world, row) in list.placed_rows() {
+        digester.add(&world).add(&row.mesh).add(&row.material).add(&row.instances);
+        digester.add(&row.range.map(|range| (range.first, range.end)));
+    }
+    for (world, row) in list.placed_lines() {
+        digester.add(&world).add(&row.lines).add(&row.material);
+        digester.add(&row.range.map(|range| (range.first, range.end)));
+    }
+    for (world, light) in list.placed_lights() {
+        digester.add(&world).add(light);
+    }
+    digester.finish()
+}
+
+/// Takes all pictures.
+fn made(
+    provide: &mut dyn Provide,
+    list: &DrawList,
+    options: &ImpostorOptions,
+    progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
+) -> Result<Impostor, PictureError> {
+    options.check()?;
+    let toward = options.directions();
+    let points = Points::of(list);
+    let cell = points.cell(&toward, options.rows)?;
+    let mut atlas = Atlas::new(cell, toward.len() as u32);
+    let picture_options = PictureOptions {
+        size: cell,
+        samples: options.samples,
+        background: Background::Transparent,
+        ..options.light.picture_options()
+    };
+    picture_options.check()?;
+    let n_cells = toward.len() as u64;
+    let mut studio = Studio::new(provide);
+    let mut mesh = Mesh::default();
+    for (number, toward) in (0..).zip(&toward) {
+        let frame = points.frame(*toward, cell)?;
+        let mut all = |one: &Progress| {
+            let n_done = u64::from(number) * one.n_pixels + one.n_done;
+            progress(&Progress { n_done, n_pixels: n_cells * one.n_pixels, ..*one })
+        };
+        let picture = studio.picture(&frame.camera, &picture_options, &mut all)?;
+        atlas.put(number, &picture.image);
+        add_board(&mut mesh, &frame, *toward, atlas.place(number));
+    }
+    let image = Shared::new(atlas.finish());
+    let mut material = options.light.material();
+    material.images = MaterialImages {
+        emissive: options.light.is_baked().then(|| image.clone()),
+        base_color: Some(image),
+        ..MaterialImages::default()
+    };
+    let aspects = Aspects {
+        toward: Shared::new(toward),
+        center: points.center(),
+        without_eye: options.n_crossed(),
+    };
+    Ok(Impostor { mesh: SharedMesh::new(mesh), material: Arc::new(material), aspects })
+}
+
+impl ImpostorLight {
+    /// What its boards are made of, but for the image.
+    fn material(&self) -> Material {
+        let alpha = Alpha::Mask(LEAST_COVERAGE);
+        let matte = Material { alpha, ..Material::matte("impostor", 1.0, 1.0, 1.0) };
+        match self {
+            Self::Even => matte,
+            // Black metal throws back nothing of the light that falls on it.
+            Self::Baked { .. } => Material {
+                base_color: [0.0, 0.0, 0.0, 1.0],
+                metallic: 1.0,
+                emissive: [1.0; 3],
+                ..matte
+            },
+        }
+    }
+}
+
+/// Adds a board: two triangles, seen from their front with the part of the image from the first
+/// to the second texture coordinate on them.
+fn add_board(mesh: &mut Mesh, frame: &Frame, toward: Vec3, [first, end]: [Vec2; 2]) {
+    let start = mesh.positions.len() as u32;
+    for (x, y) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)] {
+        mesh.positions.push(frame.corner(x, y));
+        mesh.normals.push(toward);
+        mesh.uvs.push(first + (end - first) * Vec2::new(x, 1.0 - y));
+    }
+    mesh.indices.extend([0, 1, 2, 0, 2, 3].map(|corner| start + corner));
+}
