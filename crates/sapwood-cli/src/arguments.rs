@@ -7,7 +7,7 @@ use sapwood::io::Shape;
 use tracing_subscriber::filter::LevelFilter;
 
 use crate::accepted::{accepted, whole};
-use crate::grow::{Output, WindArguments};
+use crate::grow::{Light, Output, WindArguments};
 use crate::picture::{PictureArguments, PictureFile, TurntableArguments, place};
 
 const EXIT_CODES: &str = "\
@@ -36,6 +36,7 @@ Examples:
   sapwood grow quaking_aspen --weld stem -o welded.glb
   sapwood grow quaking_aspen --weld union -o solid.obj -o print.stl
   sapwood grow quaking_aspen --range 120 -o far.glb -o far.png
+  sapwood grow quaking_aspen --billboard=even -o billboard.glb
   sapwood grow quaking_aspen --wind 5,2 --seconds 6 -o aspen.glb
   sapwood grow palm -o palm.png --size 600x800 --ground --sun 1,0.5,0.3
   sapwood grow apple -o turn.png --turntable 24 --samples 4 --transparent";
@@ -203,6 +204,19 @@ pub(crate) struct GrowArguments {
         conflicts_with_all = ["eye", "target", "orthographic", "turntable", "cut", "weld"]
     )]
     pub(crate) range: Option<f32>,
+    /// Take images of the tree from 25 sides and draw boards with them instead of it: in files the
+    /// one that faces an eye in front of the tree at --range, or else two crossed ones, each seen from
+    /// both sides; in pictures the one that faces the eye
+    #[arg(
+        long,
+        value_name = "LIGHT",
+        value_enum,
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "baked",
+        conflicts_with_all = ["cut", "weld", "wind"]
+    )]
+    pub(crate) billboard: Option<Light>,
     #[command(flatten)]
     pub(crate) wind: WindArguments,
     /// Tell what was grown as one JSON object instead of a table; the README has its keys

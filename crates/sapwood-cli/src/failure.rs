@@ -130,7 +130,9 @@ impl From<PictureError> for Failure {
     fn from(error: PictureError) -> Self {
         match error {
             PictureError::Interrupted(why) => Self::from(ViewError::Interrupted(why)),
-            PictureError::Option { .. } => Self::usage(error.to_string()),
+            PictureError::Option { .. } | PictureError::Impostor { .. } => {
+                Self::usage(error.to_string())
+            }
             _ => Self::new(Self::INPUT, vec![error.to_string()]),
         }
     }

@@ -1,5 +1,6 @@
 //! `sapwood grow`: a scene with one tree, compiled, summed up and written to files.
 
+mod billboard;
 mod held;
 mod json;
 mod output;
@@ -27,6 +28,7 @@ use crate::picture::{self, Extent, Order, Toll, Track};
 use crate::tree;
 use crate::watch::Watch;
 
+pub(crate) use billboard::Light;
 pub(crate) use output::Output;
 use output::{Drawn, Format, ListFormat};
 pub(crate) use summary::size;
@@ -62,17 +64,19 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
 
     let mut scene = Scene::new();
     scene.set_logging(tracing::enabled!(Level::DEBUG));
-    let root = tree::planted(&mut scene, &species, individual, of)?;
+    let mut root = tree::planted(&mut scene, &species, individual, of)?;
     if arguments.wind.wind.is_some() {
         scene.push::<SwaySlot>(root, arguments.wind.sway())?;
     }
-    let rules = match (arguments.weld, arguments.range) {
+    // What stands for the whole tree does not fade itself.
+    let fades_at = arguments.range.filter(|_| arguments.billboard.is_none());
+    let rules = match (arguments.weld, fades_at) {
         (None | Some(Weld::Union), None) => tree::rules(of),
         (Some(Weld::Stem), None) => sapwood::segment_rules(),
         (_, Some(_)) => sapwood::fading_rules(),
     };
     let rules = arguments.wind.rules(rules);
-    let (view, bounds) =
+    let (mut view, bounds) =
         steps.time("compile", || tree::compiled(&mut scene, root, &rules, of, watch))?;
     let census = Census::of(&mut scene, view, species.levels)?;
     let components = scene.count(view)?.components;
@@ -80,6 +84,13 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
         Individual::At(place) => Vec3::from(place),
         Individual::Seed(_) => Vec3::ZERO,
     };
+    if let Some(light) = arguments.billboard {
+        let boards = steps.time("billboard", || {
+            billboard::stand_in(&mut scene, view, light, order.as_ref(), watch)
+        });
+        (scene, root) = boards?;
+        (view, _) = tree::compiled(&mut scene, root, &rules, of, watch)?;
+    }
     if let Some(range) = arguments.range {
         scene.set_moving::<Viewer>(view, Some(Eye::new(foot + Vec3::Z * range)))?;
     }
@@ -294,6 +305,7 @@ fn check_outputs(arguments: &GrowArguments) -> Result<Option<Order>, Failure> {
         )));
     }
     weld::check(arguments)?;
+    billboard::check(arguments, None)?;
     let turns = arguments.turntable.turntable;
     output::refuse_clashes(&arguments.output, turns)?;
     let fades = !matches!(arguments.tree.detail, Detail::Skeleton | Detail::Segments);
@@ -316,6 +328,7 @@ fn check_outputs(arguments: &GrowArguments) -> Result<Option<Order>, Failure> {
     }
     let order = Order::new(&arguments.picture, turns, None)?;
     wind::check(arguments, Some(&order))?;
+    billboard::check(arguments, Some(&order))?;
     let has_lines = arguments.tree.detail == Detail::Skeleton;
     if !arguments.cut.is_empty() && (has_lines || order.style == Some(Style::Skeleton)) {
         return Err(Failure::usage(
@@ -329,7 +342,7 @@ fn check_outputs(arguments: &GrowArguments) -> Result<Option<Order>, Failure> {
 }
 
 fn title(name: &str, individual: Individual, arguments: &GrowArguments) -> String {
-    let GrowArguments { tree: arguments, range, wind, .. } = arguments;
+    let GrowArguments { tree: arguments, range, wind, billboard, .. } = arguments;
     let detail = match arguments.detail {
         Detail::Full => "",
         Detail::Draft => ", draft",
@@ -344,6 +357,9 @@ fn title(name: &str, individual: Individual, arguments: &GrowArguments) -> Strin
     let mut seen = range.map_or_else(String::new, |range| format!(", from {range} m"));
     if let Some(Wind { speed, gust }) = wind.wind {
         seen = format!(", in a wind of {speed} m/s with gusts of {gust}");
+    }
+    if billboard.is_some() {
+        seen.push_str(", as a billboard");
     }
     match individual {
         Individual::At([x, y, z]) => {

@@ -49,7 +49,12 @@ pub(crate) fn planted(
         attribute.set::<PruneRatioSlot>(arguments.prune_ratio.unwrap_or(1.0));
     }
     // Branches with fewer leaves before them fade the sooner; fans have all of theirs.
-    let quality = if species.leaves.count < 0 { 1.0 } else { species.leaves.quality };
+    let drawn = match arguments.detail {
+        Detail::Draft => weber_penn::Detail::draft().leaves,
+        Detail::Full | Detail::Segments | Detail::Skeleton => 1.0,
+    };
+    let is_fan = species.leaves.count < 0;
+    let quality = if is_fan { 1.0 } else { species.leaves.quality * drawn };
     let fading = FadingParams { quality, ..FadingParams::default() };
     attribute.set::<FadingSlot>(fading);
     let root = scene.add(attribute);

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use sapwood::geom::Aabb;
 use serde::Serialize;
 
+use super::billboard::Light;
 use super::summary::{Phase, Summary};
 use crate::arguments::{Detail, GrowArguments, Individual};
 use crate::picture::TollDocument;
@@ -20,6 +21,7 @@ struct Document<'a> {
     prune: Vec<String>,
     prune_ratio: Option<f32>,
     range: Option<f32>,
+    billboard: Option<&'static str>,
     wind: Option<Windy>,
     components: BTreeMap<&'static str, u64>,
     stems: &'a [u64],
@@ -88,6 +90,7 @@ pub(super) fn json(summary: &Summary, arguments: &GrowArguments) -> String {
         prune: arguments.tree.prune.iter().map(ToString::to_string).collect(),
         prune_ratio: arguments.tree.prune_ratio,
         range: arguments.range,
+        billboard: arguments.billboard.map(Light::name),
         wind: arguments.wind.wind.map(|wind| Windy {
             speed: wind.speed,
             gust: wind.gust,

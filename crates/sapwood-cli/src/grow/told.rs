@@ -80,6 +80,7 @@ fn check(arguments: &GrowArguments) -> Result<(), Failure> {
         (!arguments.cut.is_empty(), "--cut"),
         (arguments.weld.is_some(), "--weld"),
         (arguments.range.is_some(), "--range"),
+        (arguments.billboard.is_some(), "--billboard"),
         (arguments.wind.wind.is_some(), "--wind"),
         (arguments.json, "--json"),
         (arguments.turntable.turntable.is_some(), "--turntable"),

@@ -143,6 +143,38 @@ fn quality_trades_number_for_size_of_leaves() {
 }
 
 #[test]
+fn billboards_are_boards_with_images_of_the_tree() {
+    let folder = tempfile::tempdir().unwrap();
+    let grow = |options: &str| {
+        json(&says(folder.path(), &format!("grow quaking_aspen --detail draft --json {options}")))
+    };
+    let crossed = grow("--billboard -o crossed.glb");
+    assert_eq!((&crossed["triangles"], &crossed["billboard"]), (&8.into(), &"baked".into()));
+    assert_eq!(crossed["stems"][0], 1, "the tree is told of all the same");
+    let picture = "-o far.png --size 40x40 --samples 2";
+    let facing = grow(&format!("--billboard=even --range 600 -o facing.glb {picture}"));
+    assert_eq!((&facing["triangles"], &facing["billboard"]), (&2.into(), &"even".into()));
+    let image = sapwood::io::read_image(folder.path().join("far.png")).unwrap();
+    assert!(image.pixels.iter().any(|[r, g, b, _]| g > b && g > r), "leaves are green");
+    let glb = fs::read(folder.path().join("facing.glb")).unwrap();
+    let text = String::from_utf8_lossy(&glb);
+    assert!(text.contains("\"alphaMode\":\"MASK\"") && !text.contains("emissiveTexture"));
+    assert_eq!(grow("")["billboard"], serde_json::Value::Null);
+    for (options, expected) in [
+        ("--billboard=dim -o a.glb", "possible values: baked, even"),
+        ("--billboard -o a.svg", "a.svg: billboards have no lines"),
+        ("--billboard --detail skeleton -o a.obj", "accepted: with --detail full or draft"),
+        ("--billboard --style skeleton -o a.png", "accepted: another --style"),
+        ("--billboard --weld stem -o a.glb", "cannot be used with"),
+        ("--billboard --wind 5,2 -o a.glb", "cannot be used with"),
+        ("--billboard --view text", "does nothing for --view text"),
+    ] {
+        let said = fails(folder.path(), &format!("grow quaking_aspen {options}"), 2);
+        assert!(said.contains(expected), "{options}: {said}");
+    }
+}
+
+#[test]
 fn the_summary_may_be_json() {
     let folder = tempfile::tempdir().unwrap();
     let line = "grow quaking_aspen --seed 3 --levels 2 --json -o a.glb -o a.gltf";
@@ -157,6 +189,7 @@ fn the_summary_may_be_json() {
         "prune",
         "prune_ratio",
         "range",
+        "billboard",
         "wind",
         "components",
         "stems",
