@@ -60,7 +60,7 @@ impl Aspects {
             return Some(format!("shows {without_eye} of {} aspects", toward.len()));
         }
         let is_even = n.checked_rem(toward.len()) == Some(0);
-        (!is_even).then(|| format!("divides {n} evenly into {} aspects", toward.len()))
+        (!is_even).then(|| format!("has {n} things to divide into {} aspects", toward.len()))
     }
 }
 
@@ -94,11 +94,12 @@ mod tests {
             change(&mut aspects);
             aspects.fault(n).unwrap_or_default()
         };
-        assert_eq!(fault(|_| (), 9), "divides 9 evenly into 4 aspects");
+        assert_eq!(fault(|_| (), 9), "has 9 things to divide into 4 aspects");
         assert_eq!(fault(|a| a.without_eye = 5, 8), "shows 5 of 4 aspects");
         assert!(fault(|a| a.center.x = f32::NAN, 8).starts_with("measures directions from"));
         let flat = |a: &mut Aspects| a.toward = Shared::new(vec![Vec3::ZERO; 4]);
         assert!(fault(flat, 8).contains("no unit vector"));
-        assert!(fault(|a| a.toward = Shared::new(Vec::new()), 8).contains("into 0 aspects"));
+        let none = |a: &mut Aspects| (a.toward, a.without_eye) = (Shared::new(Vec::new()), 0);
+        assert_eq!(fault(none, 8), "has 8 things to divide into 0 aspects");
     }
 }
