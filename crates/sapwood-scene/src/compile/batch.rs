@@ -29,8 +29,8 @@ pub(super) struct Ahead {
     rule: u32,
     env: EnvId,
     previous: Option<SiteId>,
-    /// Nothing where it was interrupted.
-    run: Option<Run>,
+    /// Nothing where it was interrupted. Boxed, for it is handed on several times.
+    run: Option<Box<Run>>,
 }
 
 impl Ahead {
@@ -41,7 +41,7 @@ impl Ahead {
         rule: u32,
         env: EnvId,
         previous: Option<SiteId>,
-    ) -> Option<Run> {
+    ) -> Option<Box<Run>> {
         let is_it =
             (self.target, self.rule, self.env, self.previous) == (target, rule, env, previous);
         self.run.filter(|_| is_it)
@@ -139,7 +139,7 @@ impl Pull<'_> {
             let Ahead { target, rule, env, previous, .. } = **ahead;
             let memories: Memories = self.memories(target, rule, previous);
             // An interruption is met again when its turn comes, and counts then.
-            ahead.run = self.init(target, rule, env, &memories, &[], &limits).ok();
+            ahead.run = self.init(target, rule, env, &memories, &[], &limits).ok().map(Box::new);
         });
     }
 }

@@ -49,7 +49,7 @@ impl Pull<'_> {
         revision: u64,
         env: EnvId,
         memories: &Memories,
-        ahead: Option<Run>,
+        ahead: Option<Box<Run>>,
     ) -> Result<u32, Interrupted> {
         self.note_compiled(target, rule);
         let mut made = Vec::new();
@@ -74,7 +74,7 @@ impl Pull<'_> {
         memories: &Memories,
         allowance: Allowance,
         made: &mut Vec<u32>,
-        ahead: Option<Run>,
+        ahead: Option<Box<Run>>,
     ) -> Result<Draft, Interrupted> {
         let first = match ahead.filter(|run| self.limits().allow(run.triangles, run.n_parts)) {
             Some(run) => run.outcome,

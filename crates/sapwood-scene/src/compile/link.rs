@@ -10,6 +10,16 @@ use super::pull::Pull;
 use super::pushes::Pushes;
 use crate::slots::{Environments, SlotKey};
 
+/// A site whose key holds whatever a child of it reads below a push.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) struct Covered {
+    site: SiteId,
+    scope: u32,
+    child: SiteId,
+    /// Of the site and of the child: either key may grow.
+    key_numbers: [u32; 2],
+}
+
 impl Pull<'_> {
     fn environments(&mut self) -> &mut Environments {
         self.environments.get_mut().unwrap_or_else(|e| e.into_inner())
@@ -242,9 +252,13 @@ impl Pull<'_> {
                 // The place above belongs to another environment by now.
                 return;
             }
+            if self.is_covered(above.site, above.link, child) {
+                return;
+            }
             let pushes = Pushes { cache: self.cache, view: self.view };
             let missing = pushes.missing(above.site, above.link, child);
             if missing.is_empty() {
+                self.covered = Some(self.covering(above.site, above.link, child));
                 return;
             }
             let grown: SmallVec<[_; 4]> = self.digests(above.env, missing.iter().copied());
@@ -258,6 +272,24 @@ impl Pull<'_> {
             expected = Some(above.site);
             at = above.env;
         }
+    }
+
+    /// Whether a site's key is known to hold whatever is read of it behind a link, because it does
+    /// so for a child before this one that reads the same slots below the same pushes.
+    fn is_covered(&self, site: SiteId, link: u32, child: SiteId) -> bool {
+        let Some(covered) = self.covered else { return false };
+        let sites = &self.cache.sites;
+        let Some(before) = sites.get(covered.child.0) else { return false };
+        let (before, now) = (&before.key, &sites[child.0].key);
+        covered == self.covering(site, link, covered.child)
+            && before.len() == now.len()
+            && before.iter().zip(now).all(|((a, _), (b, _))| a == b)
+    }
+
+    fn covering(&self, site: SiteId, link: u32, child: SiteId) -> Covered {
+        let scope = self.cache.plan_of(site).links[link as usize].scope;
+        let key_numbers = [site, child].map(|site| self.cache.sites[site.0].key_number);
+        Covered { site, scope, child, key_numbers }
     }
 
     /// Notes something of every site above a place, up to one where `note` says that it was

@@ -9,6 +9,7 @@ use sapwood_graph::{
 };
 
 use super::cache::{Cache, Link, Target};
+use super::link::Covered;
 use super::pushes::Pushes;
 use super::resolve::Standing;
 use crate::rules::NO_SCOPE;
@@ -28,6 +29,8 @@ pub(crate) struct Pull<'a> {
     eye: Option<Eye>,
     /// A site, an environment and a number of the site's key that were found to fit last.
     pub(super) fitting: Option<(SiteId, EnvId, u32)>,
+    /// A site and a child that were found covered last.
+    pub(super) covered: Option<Covered>,
     #[cfg(feature = "planted-faults")]
     pub(super) drops_reads: bool,
 }
@@ -52,6 +55,7 @@ impl<'a> Pull<'a> {
             environments: Mutex::new(environments),
             eye,
             fitting: None,
+            covered: None,
             #[cfg(feature = "planted-faults")]
             drops_reads,
         };
@@ -226,6 +230,7 @@ impl Provide for Pull<'_> {
 
     fn begin_pass(&mut self) {
         self.fitting = None;
+        self.covered = None;
         let forced = self.view.forced();
         self.environments.get_mut().unwrap_or_else(|e| e.into_inner()).clear(forced);
     }

@@ -27,6 +27,8 @@ pub(crate) struct Above {
     pushed: EnvId,
     /// The number of the set of slots that are forced here.
     forced: u32,
+    /// The number of the list of values that are known here.
+    known: u32,
 }
 
 /// Slots whose values are forced, sorted.
@@ -34,6 +36,9 @@ pub(crate) type ForcedSlots = SmallVec<[SlotKey; 2]>;
 
 /// The number of no set: nothing is forced.
 const NOTHING_FORCED: u32 = u32::MAX;
+
+/// The number of no list: no value is known.
+const NOTHING_KNOWN: u32 = u32::MAX;
 
 /// What environments need to know of a link.
 #[derive(Clone, Copy)]
@@ -75,7 +80,8 @@ pub(crate) enum Pushed<'a> {
 /// The environments of one pass.
 pub(crate) struct Environments {
     above: Vec<Above>,
-    /// The values known of each environment; few, for rules read few slots.
+    /// The values known of environments; few, for rules read few slots. Most environments have no
+    /// list: what is pushed further up counts for them.
     values: Vec<SmallVec<[(SlotKey, SlotValue); 4]>>,
     entered: FixedMap<(EnvId, SiteId, u32), EnvId>,
     /// The sets of forced slots, none of them empty: those of the root, and those behind links
@@ -116,9 +122,9 @@ impl Environments {
             n_emitted: 0,
             pushed: root,
             forced: root_forced,
+            known: NOTHING_KNOWN,
         });
         self.values.clear();
-        self.values.push(SmallVec::new());
         self.entered.clear();
     }
 
@@ -130,7 +136,7 @@ impl Environments {
         site: SiteId,
         link: LinkFacts,
     ) -> EnvId {
-        let Self { above, values, entered, forced: sets } = self;
+        let Self { above, entered, forced: sets, .. } = self;
         *entered.entry((env, site, link.number)).or_insert_with(|| {
             let new = u32::try_from(above.len()).expect("a pass meets fewer than 2^32 places");
             let Above { n_emitted, pushed, mut forced, .. } = above[env.0 as usize];
@@ -151,8 +157,8 @@ impl Environments {
                 n_emitted: if link.is_emitted { n_emitted + 1 } else { 0 },
                 pushed: if link.pushes { EnvId(new) } else { pushed },
                 forced,
+                known: NOTHING_KNOWN,
             });
-            values.push(SmallVec::new());
             EnvId(new)
         })
     }
@@ -172,8 +178,17 @@ impl Environments {
     }
 
     fn known(&self, env: EnvId, slot: SlotKey) -> Option<&SlotValue> {
-        let values = &self.values[env.0 as usize];
+        let values = self.values.get(self.above[env.0 as usize].known as usize)?;
         values.iter().find(|(known, _)| *known == slot).map(|(_, value)| value)
+    }
+
+    fn note(&mut self, env: EnvId, slot: SlotKey, value: SlotValue) {
+        let row = &mut self.above[env.0 as usize].known;
+        if *row == NOTHING_KNOWN {
+            *row = self.values.len() as u32;
+            self.values.push(SmallVec::new());
+        }
+        self.values[*row as usize].push((slot, value));
     }
 
     /// The slots that are forced in an environment.
@@ -230,7 +245,7 @@ impl Environments {
             }
             let Some(above) = self.above(at) else {
                 let value = pushes.root_value(slot).unwrap_or_else(|| slot.default());
-                self.values[ROOT as usize].push((slot, value.clone()));
+                self.note(EnvId(ROOT), slot, value.clone());
                 break value;
             };
             let is_forced = self.is_forced(above.env, slot);
@@ -259,7 +274,7 @@ impl Environments {
             {
                 value = slot.descend(value, pushes.child_key(above.site, above.link));
             }
-            self.values[place.0 as usize].push((slot, value.clone()));
+            self.note(place, slot, value.clone());
         }
         value
     }
