@@ -39,7 +39,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let path = folder.join("species.png");
     sapwood::io::write_png(&path, sheet.image())?;
     println!("{}: {} species", path.display(), names.len());
-    for figure in figures::of_the_thesis()? {
+    let figures = figures::of_the_thesis()?.into_iter().chain([figures::beyond_the_paper()?]);
+    for figure in figures {
         let [width, height] = size;
         drawn(&figure, &folder, [width * 3 / 2, height * 3 / 4], samples)?;
     }

@@ -2,10 +2,12 @@
 //! its envelope.
 
 use std::error::Error;
+use std::sync::Arc;
 
-use sapwood::geom::glam::{Affine3, Mat3, Vec3};
-use sapwood::geom::{Envelope, Profile};
-use sapwood::rules::weber_penn::{Seed, Species, Tree};
+use sapwood::geom::glam::{Affine3, Mat3, Vec2, Vec3};
+use sapwood::geom::{Envelope, Mesh, Profile};
+use sapwood::graph::Material;
+use sapwood::rules::weber_penn::{LeafMesh, Seed, Species, Tree, WrittenMesh};
 use sapwood::scene::{EnvelopeSlot, Group, Handle, Scene, Transform};
 
 /// A picture of trees in a row.
@@ -55,6 +57,62 @@ impl Figure {
 /// The figures of the thesis that are not pictures of one species.
 pub(super) fn of_the_thesis() -> Result<Vec<Figure>, Box<dyn Error>> {
     Ok(vec![attraction()?, flames()?, stems(), halves()?])
+}
+
+/// What species may say beyond the paper, one thing more from tree to tree: leaves on boughs, normals
+/// that follow the crown, a mesh instead of leaves, roots with few sides.
+pub(super) fn beyond_the_paper() -> Result<Figure, Box<dyn Error>> {
+    let mut plain = steady("apple")?;
+    (plain.scale, plain.leaves.scale) = (6.0, 0.24);
+    (plain.level[1].branches, plain.level[2].branches, plain.leaves.count) = (14, 8, 12);
+    let exhibit = |change: &dyn Fn(&mut Species)| {
+        let mut species = plain.clone();
+        change(&mut species);
+        Exhibit { species, envelope: None }
+    };
+    let pear = LeafMesh::new(&pear(), Some(Arc::new(Material::matte("pear", 0.62, 0.5, 0.06))))?;
+    let bare = |species: &mut Species| (species.levels, species.leaves.count) = (2, 0);
+    let trees = [
+        exhibit(&|_| ()),
+        exhibit(&|leafy| leafy.level[1].leaves = 60),
+        exhibit(&|round| round.leaves.roundness = 0.9),
+        exhibit(&|laden| {
+            let mesh = pear.clone();
+            laden.leaves.mesh = Some(WrittenMesh { path: String::new(), mesh });
+            (laden.leaves.count, laden.leaves.scale, laden.leaves.scale_x) = (2, 0.3, 1.0);
+        }),
+        exhibit(&|rooted| {
+            bare(rooted);
+            (rooted.roots.count, rooted.roots.length, rooted.roots.curve) = (7, 0.3, 15.0);
+            (rooted.roots.down_angle, rooted.roots.radius) = (84.0, 0.6);
+            for level in &mut rooted.level {
+                (level.sides, level.segments) = (Some(5), Some(6));
+            }
+        }),
+    ];
+    Ok(Figure::row("beyond", 6.5, trees))
+}
+
+/// A pear that hangs along +z from its stalk.
+fn pear() -> Mesh {
+    const RADII: [f32; 7] = [0.02, 0.05, 0.16, 0.24, 0.34, 0.3, 0.05];
+    const SIDES: u32 = 10;
+    let mut pear = Mesh::default();
+    for (row, radius) in (0..).zip(RADII) {
+        let along = row as f32 / (RADII.len() - 1) as f32;
+        for side in 0..SIDES {
+            let angle = std::f32::consts::TAU * side as f32 / SIDES as f32;
+            let normal = Vec3::new(angle.cos(), angle.sin(), 0.0);
+            pear.positions.push(normal * radius + Vec3::Z * along);
+            pear.normals.push((normal + Vec3::Z * (along - 0.6)).normalize());
+            pear.uvs.push(Vec2::new(side as f32 / SIDES as f32, along));
+            if row > 0 {
+                let (here, next) = (row * SIDES + side, row * SIDES + (side + 1) % SIDES);
+                pear.indices.extend([here - SIDES, next - SIDES, next, here - SIDES, next, here]);
+            }
+        }
+    }
+    pear
 }
 
 /// A built-in species, always of the same size and upright.

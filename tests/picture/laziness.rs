@@ -7,7 +7,8 @@ use sapwood::geom::{Bound, FixedSet, Ray, content, fixed_state};
 use sapwood::graph::{Everything, Kind, Lens, Named, Order, PickOptions, walk};
 use sapwood::picture::{Ground, PictureOptions, PlacedCamera, Studio};
 use sapwood::rules::weber_penn::{
-    CrownSlot, LeavesSlot, LevelSlot, Seed, Species, StemSurface, Tree, TrunkFormSlot, foreseen,
+    CrownSlot, LeavesSlot, LevelSlot, RootsSlot, Seed, Species, StemSurface, Tree, TrunkFormSlot,
+    foreseen,
 };
 use sapwood::scene::{Action, Component, Context, Rule, RuleError, Scene, ViewId};
 
@@ -41,7 +42,7 @@ impl Rule for GroveRule {
         let levels = [&*levels.0, &levels.1, &levels.2, &levels.3];
         let (form, leaves) = (cx.read::<TrunkFormSlot>(), cx.read::<LeavesSlot>());
         let upright = Affine3::from_rotation_x(-std::f32::consts::FRAC_PI_2);
-        let bound = foreseen(&crown, levels, &form, &leaves)
+        let bound = foreseen(&crown, levels, &form, &leaves, &cx.read::<RootsSlot>())
             .map(|bound: Bound| bound.transformed(&upright));
         for i in 0..grove.n * grove.n {
             let (x, z) = ((i % grove.n) as f32, (i / grove.n) as f32);

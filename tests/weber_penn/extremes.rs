@@ -67,7 +67,9 @@ fn ends(accepted: &Accepted) -> Vec<Value> {
         | Accepted::LeafShape
         | Accepted::Target
         | Accepted::LeafTarget
-        | Accepted::Envelope => Vec::new(),
+        | Accepted::Envelope
+        | Accepted::LeafMesh
+        | Accepted::LeafImage => Vec::new(),
     }
 }
 

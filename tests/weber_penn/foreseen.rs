@@ -4,7 +4,9 @@
 use sapwood::geom::glam::{Affine3, Vec3};
 use sapwood::geom::{Aabb, Bound};
 use sapwood::graph::{DrawList, Inside, Order};
-use sapwood::rules::weber_penn::{Crown, LeafParams, Level, Seed, Species, TrunkForm, foreseen};
+use sapwood::rules::weber_penn::{
+    Crown, LeafParams, Level, RootParams, Seed, Species, TrunkForm, foreseen,
+};
 use sapwood::scene::Scene;
 
 use super::species::all;
@@ -14,7 +16,8 @@ use super::trees::*;
 pub(super) fn foreseen_of(species: &Species, share: f32) -> Option<Bound> {
     let (crown, levels) = (Crown::new(species), Level::all(species));
     let leaves = LeafParams::new(species).thinned(share);
-    let bound = foreseen(&crown, levels.each_ref(), &TrunkForm::new(species), &leaves)?;
+    let (form, roots) = (TrunkForm::new(species), RootParams::new(species));
+    let bound = foreseen(&crown, levels.each_ref(), &form, &leaves, &roots)?;
     let upright = Affine3::from_cols(Vec3::X, Vec3::NEG_Z, Vec3::Y, Vec3::ZERO);
     Some(bound.transformed(&upright))
 }

@@ -1,10 +1,11 @@
 //! What trees look like: images of bark and leaves, and what users may put in their place.
 
 use sapwood::geom::Mesh;
-use sapwood::graph::{Alpha, DrawList, Material};
+use sapwood::geom::glam::Vec3;
+use sapwood::graph::{Alpha, DrawList, DrawRow, Eye, Material};
 use sapwood::images::LeafOutline;
 use sapwood::rules::weber_penn::{BarkSlot, FoliageSlot, LeafShape, leaf_card, leaf_mesh};
-use sapwood::scene::{MaterialSlot, PushMode};
+use sapwood::scene::{MaterialSlot, PushMode, Viewer};
 
 use super::trees::*;
 
@@ -110,4 +111,45 @@ fn lines_need_no_images() {
     let log = tree.scene.take_log();
     assert!(log.iter().all(|event| !event.kind.name().ends_with("image")));
     assert!(!log.is_empty());
+}
+
+#[test]
+fn round_crowns_are_drawn_leaf_by_leaf_with_normals_of_their_own() {
+    let round = with(&sapling(), &[("leaves.roundness", 0.8)]);
+    let (mut plain, mut tree) = (grown(&sapling(), 2), grown(&round, 2));
+    let (before, list) = (plain.draw_list(), tree.draw_list());
+    let is_leaf = |row: &DrawRow| row.material.name == "leaf";
+    let n_triangles = |list: &DrawList| -> u64 {
+        let rows = list.placed_rows().filter(|(_, row)| is_leaf(row));
+        rows.map(|(_, row)| row.n_triangles()).sum()
+    };
+    assert_eq!(n_triangles(&list), n_triangles(&before), "the same leaves");
+    assert_eq!(tree.parts().leaves.len(), plain.parts().leaves.len());
+    let (mut n, mut sum) = (0, 0.0);
+    for (world, row) in list.placed_rows().filter(|(_, row)| is_leaf(row)) {
+        assert!(row.instances.is_none() && row.mesh.fault().is_none());
+        for (position, normal) in row.mesh.positions.iter().zip(&row.mesh.normals) {
+            let place = world.transform_point3(*position);
+            let outward = Vec3::new(place.x, 0.0, place.z).normalize_or_zero();
+            sum += world.transform_vector3(*normal).dot(outward);
+            n += 1;
+        }
+    }
+    assert!(sum / n as f32 > 0.3, "normals lead outward: {}", sum / n as f32);
+    let bound = tree.scene.bounds(tree.view).unwrap().aabb;
+    assert_eq!(fault(&list, &bound), None);
+    assert_eq!(tree.scene.verify(tree.view, 10).unwrap().findings, []);
+
+    // Under the other rules too.
+    let fading = tree.scene.open_view(tree.family, &sapwood::fading_rules()).unwrap();
+    let [near, far] = [1.0, 150.0].map(|distance| {
+        tree.scene.set_moving::<Viewer>(fading, Some(Eye::new(Vec3::X * distance))).unwrap();
+        n_triangles(&tree.scene.draw_list(fading, 1_000_000).unwrap().as_drawn())
+    });
+    assert!(near == n_triangles(&list) && far > 0 && far < near, "{near} and {far}");
+    assert_eq!(tree.scene.verify(fading, 10).unwrap().findings, []);
+    let swaying = tree.scene.open_view(tree.family, &sapwood::swaying_rules()).unwrap();
+    let swayed = tree.scene.draw_list(swaying, 1_000_000).unwrap();
+    assert_eq!(digest(&swayed), digest(&list));
+    assert!(swayed.placed_rows().all(|(_, row)| row.follows.is_some()));
 }

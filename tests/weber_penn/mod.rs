@@ -1,6 +1,7 @@
 //! Trees as scenes: what runs after which edit, seeds, targets, looks, every built-in species,
 //! and snapshots. The formulas themselves are tested beside the generator.
 
+mod by_level;
 mod compiles;
 mod counts;
 mod cutting;
@@ -9,7 +10,9 @@ mod fading;
 mod foreseen;
 mod impostor;
 mod looks;
+mod own_leaves;
 mod pruning;
+mod roots;
 mod seeds;
 mod snapshots;
 mod solid_wood;

@@ -7,8 +7,8 @@ use sapwood::geom::glam::Vec3;
 use sapwood::geom::{Envelope, FixedSet, Mesh, StreamPath, fixed_state};
 use sapwood::graph::{DrawList, Everything, Order, PiecesReport, WeldPieces};
 use sapwood::rules::weber_penn::{
-    Crown, Detail, Level, Seed, Species, Stems, Target, Tree, TrunkForm, children, grow,
-    stem_segments, surface, trunks,
+    Crown, Detail, Level, LevelDetail, Seed, Species, Stems, Target, Tree, TrunkForm, children,
+    grow, stem_segments, surface, trunks,
 };
 use sapwood::scene::{Action, EnvelopeSlot, Scene, ViewId};
 
@@ -85,13 +85,12 @@ fn fault_of_surface(mesh: &Mesh) -> Option<String> {
 }
 
 /// What is wrong with swept stems, with their welded segments, or between the two.
-fn fault_of_weld(stems: &Stems, form: &TrunkForm) -> Option<String> {
-    let detail = Detail::default();
-    let Ok(swept) = surface(stems, form, &detail, 0.5, free);
+fn fault_of_weld(stems: &Stems, form: &TrunkForm, detail: &Detail) -> Option<String> {
+    let Ok(swept) = surface(stems, form, detail, 0.5, free);
     if let Some(fault) = fault_of_surface(&swept) {
         return Some(format!("swept: {fault}"));
     }
-    let Ok(pieces) = stem_segments(stems, form, &detail, 0.5, free);
+    let Ok(pieces) = stem_segments(stems, form, detail, 0.5, free);
     let welded = pieces.weld();
     if let Some(fault) = fault_of_surface(&welded) {
         return Some(format!("welded: {fault}"));
@@ -99,7 +98,8 @@ fn fault_of_weld(stems: &Stems, form: &TrunkForm) -> Option<String> {
     if welded.n_triangles() != swept.n_triangles() {
         return Some(format!("{} of {} triangles", welded.n_triangles(), swept.n_triangles()));
     }
-    if welded.n_vertices() > pieces.mesh.n_vertices() {
+    // Around few sides more corners need a normal of their own than there are ends to weld.
+    if *detail == Detail::default() && welded.n_vertices() > pieces.mesh.n_vertices() {
         return Some(format!("{} vertices", welded.n_vertices()));
     }
     let both = corners(&welded).flatten().zip(corners(&swept).flatten());
@@ -117,8 +117,8 @@ fn every_species_welds_to_its_swept_surface() {
             for (level, stems) in grown_purely(&species, seed).iter().enumerate() {
                 n_clones += stems.stems.iter().filter(|stem| stem.clone_of.is_some()).count();
                 let of = || format!("{name}, seed {seed}, level {level}");
-                faults
-                    .extend(fault_of_weld(stems, &form).map(|fault| format!("{}: {fault}", of())));
+                let fault = fault_of_weld(stems, &form, &Detail::default());
+                faults.extend(fault.map(|fault| format!("{}: {fault}", of())));
             }
         }
     }
@@ -129,6 +129,25 @@ fn every_species_welds_to_its_swept_surface() {
         &faults[..faults.len().min(20)]
     );
     assert!(n_clones > 1000, "{n_clones} clones");
+}
+
+#[test]
+fn odd_sides_and_segments_stay_closed() {
+    let mut n_forked = 0;
+    for name in ["black_tupelo", "japanese_maple", "palm", "small_pine", "ca_black_oak"] {
+        let species = built_in(name);
+        let form = TrunkForm::new(&species);
+        for (sides, segments) in [(3, 3), (5, 3), (7, 7), (13, 29)] {
+            let mut detail = Detail::default();
+            detail.levels.fill(LevelDetail { sides: Some(sides), segments: Some(segments) });
+            for (level, stems) in grown_purely(&species, 3).iter().enumerate() {
+                let fault = fault_of_weld(stems, &form, &detail);
+                assert_eq!(fault, None, "{name}, level {level}, {sides} sides, {segments} pieces");
+                n_forked += stems.stems.iter().filter(|stem| stem.clone_of.is_some()).count();
+            }
+        }
+    }
+    assert!(n_forked > 100, "{n_forked}");
 }
 
 fn welded(scene: &mut Scene, view: ViewId, weld: &mut WeldPieces) -> (DrawList, PiecesReport) {

@@ -9,6 +9,7 @@ use tracing_subscriber::filter::LevelFilter;
 use crate::accepted::{accepted, whole};
 use crate::grow::{Light, Output, WindArguments};
 use crate::picture::{PictureArguments, PictureFile, TurntableArguments, place};
+use crate::seed::seed;
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -27,6 +28,8 @@ Species files are TOML, as `sapwood species show` prints them, or the XML of Arb
 const GROW_EXAMPLES: &str = "\
 Examples:
   sapwood grow quaking_aspen -o quaking_aspen.glb
+  sapwood grow quaking_aspen --seed random -o aspen.png
+  sapwood grow quaking_aspen --leaf-mesh pear.glb -o pears.glb
   sapwood grow black_tupelo --seed 7 -o tupelo.gltf -o tupelo.obj -o tupelo.svg
   sapwood grow my_species.toml --at 12,0,-3.5 --detail skeleton -o lines.svg
   sapwood grow weeping_willow --detail draft --quality 0.5 -o willow.glb
@@ -102,8 +105,10 @@ pub(crate) enum Command {
 /// Which individual of a species.
 #[derive(Args, Debug)]
 pub(crate) struct IndividualArguments {
-    /// Which individual: another number, another tree [default: 0]
-    #[arg(long, value_name = "N", value_parser = number, allow_negative_numbers = true)]
+    /// Which individual: another number, another tree; `random` for one that nobody has chosen. It
+    /// is told, and stands in .glb, .gltf and .obj files, so that the tree can be grown again
+    /// [default: 0]
+    #[arg(long, value_name = "N|random", value_parser = seed, allow_negative_numbers = true)]
     pub(crate) seed: Option<u64>,
     /// Stand the tree at this place, in metres, y up; the place also decides which individual
     /// it is
@@ -155,6 +160,16 @@ pub(crate) struct TreeArguments {
         requires = "prune"
     )]
     pub(crate) prune_ratio: Option<f32>,
+    /// Draw each leaf as what a .glb or .gltf file shows: a leaf, a flower, a fruit. The file's origin
+    /// is where the stalk ends, +z leads along the leaf, +y is its upper side; it becomes as long as
+    /// the leaves of the species and keeps its proportions
+    #[arg(long, value_name = "FILE")]
+    pub(crate) leaf_mesh: Option<PathBuf>,
+    /// Draw leaves with an image, a PNG or JPEG with the tip at its upper edge. If parts of it are
+    /// transparent, they are cut out and it keeps its proportions; else it is laid on the leaves'
+    /// own shape, or on --leaf-mesh by its texture coordinates
+    #[arg(long, value_name = "FILE")]
+    pub(crate) leaf_image: Option<PathBuf>,
     /// Stop before there are more triangles than this
     #[arg(
         long,
@@ -290,8 +305,8 @@ pub(crate) struct PictureCommand {
 
 #[derive(Args, Debug)]
 pub(crate) struct FamilyArguments {
-    /// The first individual; each of the others has the next number [default: 0]
-    #[arg(long, value_name = "N", value_parser = number, allow_negative_numbers = true)]
+    /// The first individual, or `random`; each of the others has the next number [default: 0]
+    #[arg(long, value_name = "N|random", value_parser = seed, allow_negative_numbers = true)]
     pub(crate) seed: Option<u64>,
     #[command(flatten)]
     pub(crate) tree: TreeArguments,

@@ -137,6 +137,12 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
     }
     let follower = watch.clone();
     let mut files = FileSet::watched(move |path, bytes| follower.written(path, bytes));
+    let name = if species.name.is_empty() { of.species.clone() } else { species.name };
+    files.note("species", &name);
+    match individual {
+        Individual::Seed(seed) => files.note("seed", &seed.to_string()),
+        Individual::At([x, y, z]) => files.note("at", &format!("{x},{y},{z}")),
+    }
     let lines = lines.as_ref().unwrap_or(&list);
     let solid = welded.as_ref().map(|(union, _)| &union.solid);
     let still = moment.as_ref().unwrap_or(&list);
@@ -170,11 +176,10 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
     watch.check()?;
     files.commit()?;
 
-    let species = if species.name.is_empty() { of.species.clone() } else { species.name };
-    let title = title(&species, individual, arguments);
+    let title = title(&name, individual, arguments);
     let phases = steps.0;
     Ok(Summary {
-        species,
+        species: name,
         title,
         census,
         components,

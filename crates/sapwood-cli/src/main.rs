@@ -10,6 +10,7 @@ mod failure;
 mod family;
 mod grow;
 mod picture;
+mod seed;
 mod species;
 mod tree;
 mod watch;

@@ -5,7 +5,8 @@ mod counting;
 use sapwood::geom::Bound;
 use sapwood::io::Shape;
 use sapwood::rules::weber_penn::{
-    self, DetailSlot, FadingParams, FadingSlot, PruneRatioSlot, Seed, Species, Tree,
+    self, DetailSlot, FadingParams, FadingSlot, PruneRatioSlot, Seed, Species, Tree, WrittenImage,
+    WrittenMesh,
 };
 use sapwood::scene::{
     Action, Attribute, Budget, EnvelopeSlot, Handle, RuleSet, Scene, Transform, ViewId,
@@ -23,8 +24,32 @@ const MAX_DIAGNOSTICS: usize = 10;
 
 /// The species that the arguments ask for.
 pub(crate) fn species(arguments: &TreeArguments) -> Result<Species, Failure> {
-    let species = sapwood::io::find_species(&arguments.species)?;
+    let mut species = sapwood::io::find_species(&arguments.species)?;
+    dress(&mut species, arguments)?;
     Ok(thinned(limited(species, arguments.levels)?, arguments.quality))
+}
+
+/// Gives leaves the mesh and the image that the arguments name.
+fn dress(species: &mut Species, arguments: &TreeArguments) -> Result<(), Failure> {
+    let leaves = &mut species.leaves;
+    if let Some(path) = &arguments.leaf_mesh {
+        let mesh = sapwood::io::read_leaf_mesh(path)?;
+        leaves.mesh = Some(WrittenMesh { path: path.display().to_string(), mesh });
+        // What the species says of an image is meant for its own leaves.
+        leaves.image = None;
+    }
+    if let Some(path) = &arguments.leaf_image {
+        let image = sapwood::io::read_leaf_image(path)?;
+        leaves.image = Some(WrittenImage { path: path.display().to_string(), image });
+        if let Some(fault) = leaves.image_fault() {
+            return Err(Failure::usage(format!("--leaf-image {}: {fault}", path.display())));
+        }
+    }
+    let is_dressed = arguments.leaf_mesh.is_some() || arguments.leaf_image.is_some();
+    if is_dressed && leaves.has_own_proportions() {
+        leaves.scale_x = 1.0;
+    }
+    Ok(())
 }
 
 /// The rules that the arguments ask for.

@@ -43,6 +43,7 @@ pub fn write_atomically(
 #[derive(Default)]
 pub struct FileSet {
     files: Vec<Staged>,
+    notes: Vec<(String, String)>,
     watch: Option<Watch>,
 }
 
@@ -59,7 +60,20 @@ impl FileSet {
     /// It is called often, with the file that is being written and the bytes written to it so
     /// far; a break makes the writer fail with [`ErrorKind::Stopped`].
     pub fn watched(watch: impl Fn(&Path, u64) -> ControlFlow<()> + 'static) -> Self {
-        Self { files: Vec::new(), watch: Some(Box::new(watch)) }
+        Self { watch: Some(Box::new(watch)), ..Self::default() }
+    }
+
+    /// Has the files that are added from now on say something about what they hold, such as the
+    /// seed that it grew from, if their format has a place for it: glTF files as a text below
+    /// `key` in the `extras` of their `asset`, OBJ files as a comment.
+    pub fn note(&mut self, key: &str, text: &str) {
+        self.notes.retain(|(known, _)| known != key);
+        self.notes.push((key.to_owned(), text.to_owned()));
+    }
+
+    /// What files are to say, in the order in which it was noted.
+    pub(crate) fn notes(&self) -> &[(String, String)] {
+        &self.notes
     }
 
     /// Adds a file with what `fill` produces. Its target stays as it is for now, unless it is no

@@ -55,7 +55,7 @@ pub enum ErrorKind {
         /// What is wrong with them.
         fault: String,
     },
-    /// A value that stands for no shape, or for one that cannot be read.
+    /// A value that stands for no shape or file, or for one that cannot be read.
     UnreadShape {
         /// The dotted key.
         key: String,

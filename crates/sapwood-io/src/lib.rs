@@ -7,6 +7,7 @@ mod atomic;
 mod error;
 mod gltf;
 mod obj;
+mod own_leaf;
 mod parts;
 mod png;
 mod raster;
@@ -24,6 +25,7 @@ pub use self::gltf::{
 pub use atomic::{FileSet, write_atomically};
 pub use error::{Error, ErrorKind, Place};
 pub use obj::{obj_image_path, obj_material_path, write_obj};
+pub use own_leaf::{read_leaf_image, read_leaf_mesh};
 pub use png::write_png;
 pub use raster::read_image;
 pub use shape::{SHAPES, Shape, ShapeFault};

@@ -34,22 +34,26 @@ const INFLATED_PER_BYTE: u64 = 1032;
 /// When the file cannot be read, is longer than 1 GiB, is neither of the two or a damaged one, or
 /// has more than 2^28 pixels; the size is found before the pixels are decoded.
 pub fn read_image(path: impl AsRef<Path>) -> Result<Image, Error> {
-    let path = path.as_ref();
+    read_image_of(path.as_ref(), MOST_PIXELS)
+}
+
+/// As [`read_image`], of at most so many pixels.
+pub(crate) fn read_image_of(path: &Path, most: u64) -> Result<Image, Error> {
     let mut bytes = Vec::new();
     File::open(path)
         .and_then(|file| file.take(LONGEST + 1).read_to_end(&mut bytes))
         .map_err(|cause| Error::read(path, cause))?;
-    image_of(&bytes).map_err(|error| error.in_file(&path.display().to_string()))
+    image_of(&bytes, most).map_err(|error| error.in_file(&path.display().to_string()))
 }
 
-fn image_of(bytes: &[u8]) -> Result<Image, Error> {
+fn image_of(bytes: &[u8], limit: u64) -> Result<Image, Error> {
     let length = bytes.len() as u64;
     if length > LONGEST {
         return Err(Error::new(ErrorKind::TooLong { bytes: length, limit: LONGEST }));
     }
     let raster = Raster::of(bytes).map_err(|fault| fault.into_error(""))?;
-    if raster.n_pixels() > MOST_PIXELS {
-        let (found, limit) = (raster.n_pixels(), MOST_PIXELS);
+    if raster.n_pixels() > limit {
+        let found = raster.n_pixels();
         let at = "the image".to_owned();
         return Err(Error::new(ErrorKind::OverLimit { at, found, what: "pixels", limit }));
     }
@@ -246,6 +250,10 @@ mod tests {
     use sapwood_geom::{Purpose, Stream, StreamPath};
 
     use super::*;
+
+    fn image_of(bytes: &[u8]) -> Result<Image, Error> {
+        super::image_of(bytes, MOST_PIXELS)
+    }
 
     /// A file of this kind.
     fn encoded(color: png::ColorType, depth: png::BitDepth, data: &[u8]) -> Vec<u8> {

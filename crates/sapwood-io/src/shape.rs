@@ -54,7 +54,7 @@ impl Shape {
                 let path = folder.map_or_else(|| path.clone(), |folder| folder.join(path));
                 let model = read_gltf(&path, &ReadLimits::default())?;
                 let in_file = |error: Error| error.in_file(&path.display().to_string());
-                let triangles = all_triangles(&model).map_err(in_file)?;
+                let triangles = all_triangles(&model, MOST).map_err(in_file)?;
                 let mesh = ClosedMesh::new(&triangles).map_err(|fault| {
                     in_file(Error::new(ErrorKind::NoSolid { fault: fault.to_string() }))
                 })?;
@@ -159,8 +159,9 @@ fn numbers<const N: usize>(text: &str, form: &str) -> Result<[f32; N], ShapeFaul
 /// hundreds of megabytes with the hierarchy over them.
 const MOST: u64 = 1 << 22;
 
-/// Everything that a model shows, as one mesh in the frame of the file.
-fn all_triangles(model: &Model) -> Result<Mesh, Error> {
+/// Everything that a model shows, as one mesh in the frame of the file; refused where it has more
+/// than `most` triangles or vertices.
+pub(crate) fn all_triangles(model: &Model, most: u64) -> Result<Mesh, Error> {
     let [mut n_triangles, mut n_vertices] = [0u64; 2];
     for node in &model.nodes {
         let n_copies = node.instances.as_ref().map_or(1, |instances| instances.len()) as u64;
@@ -170,9 +171,9 @@ fn all_triangles(model: &Model) -> Result<Mesh, Error> {
         }
     }
     for (found, what) in [(n_triangles, "triangles"), (n_vertices, "vertices")] {
-        if found > MOST {
+        if found > most {
             let at = "all that the nodes show".to_owned();
-            return Err(Error::new(ErrorKind::OverLimit { at, found, what, limit: MOST }));
+            return Err(Error::new(ErrorKind::OverLimit { at, found, what, limit: most }));
         }
     }
     let mut all = Mesh::default();

@@ -7,6 +7,7 @@ use gltf::binary::{Glb, Header};
 use gltf_json as json;
 use json::Index;
 use json::accessor::Type;
+use json::extras::RawValue;
 use json::validation::Checked::Valid;
 use sapwood_geom::glam::{Affine3, Mat4, Vec3};
 use sapwood_graph::{Body, DrawList};
@@ -85,6 +86,18 @@ impl Document {
             assembly.occurrence(&list.bodies[body], &drawn[body], skeleton, &occurrence.world)?;
         }
         Ok((assembly.finish(), swayed))
+    }
+
+    /// The same, which says this about what it holds.
+    pub(super) fn noting(mut self, notes: &[(String, String)]) -> Self {
+        let text = |text: &String| json::serialize::to_string(text).expect("a text is JSON");
+        let entries: Vec<String> =
+            notes.iter().map(|(key, note)| format!("{}:{}", text(key), text(note))).collect();
+        if !entries.is_empty() {
+            let extras = RawValue::from_string(format!("{{{}}}", entries.join(",")));
+            self.root.asset.extras = Some(extras.expect("texts below texts are JSON"));
+        }
+        self
     }
 
     /// Both in one file.

@@ -117,7 +117,7 @@ impl FileSet {
     ) -> Result<Swayed, Error> {
         let list = list.as_drawn();
         let made = Document::animated(&list, animation)
-            .and_then(|(document, swayed)| Ok((document.into_glb()?, swayed)));
+            .and_then(|(document, swayed)| Ok((document.noting(self.notes()).into_glb()?, swayed)));
         let (glb, swayed): (Glb<'_>, _) =
             made.map_err(|error| error.in_file(&path.display().to_string()))?;
         self.write(path, |out| glb.to_writer(out).map_err(to_io))?;
@@ -155,6 +155,7 @@ impl FileSet {
         let list = list.as_drawn();
         let (document, swayed) = Document::animated(&list, animation)
             .map_err(|error| error.in_file(&path.display().to_string()))?;
+        let document = document.noting(self.notes());
         self.together(|files| pair::add(files, path, document))?;
         Ok(swayed)
     }

@@ -81,8 +81,15 @@ fn add(
         library = Some(name_of(&path));
     }
     let mut refused = None;
+    let of_line = |(key, note): &(String, String)| {
+        let line = format!("{key}: {note}");
+        // A comment ends with its line.
+        format!("# {}\n", line.replace(char::is_control, " "))
+    };
+    let notes: String = files.notes().iter().map(of_line).collect();
     let written = files.write(path, |out| {
-        scribe::write(list, materials, library.as_deref(), out).map_err(|error| match error {
+        scribe::write(list, materials, library.as_deref(), &notes, out).map_err(|error| match error
+        {
             scribe::Failure::Write(cause) => cause,
             scribe::Failure::Refused { component, reason } => {
                 refused = Some(ErrorKind::Unwritable { component, reason });

@@ -35,16 +35,18 @@ impl From<io::Error> for Failure {
 }
 
 /// Writes everything in `list` that has triangles or is a line; `library` is the name of the file
-/// with the materials, if there is one.
+/// with the materials, if there is one, and `notes` are lines of comment.
 pub(super) fn write(
     list: &DrawList,
     materials: &Materials,
     library: Option<&str>,
+    notes: &str,
     out: &mut dyn Write,
 ) -> Result<(), Failure> {
     let n_triangles = list.n_vertices_and_triangles().1;
     let mut head =
         format!("# Sapwood {}: metres, y up, {n_triangles} triangles\n", env!("CARGO_PKG_VERSION"));
+    head.push_str(notes);
     if let Some(library) = library {
         head.push_str(&format!("mtllib {library}\n"));
     }

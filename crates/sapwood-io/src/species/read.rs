@@ -6,7 +6,8 @@
 use std::ops::Range;
 
 use sapwood_rules::weber_penn::{
-    self as model, Accepted, Key, LeafShape, Species, Value, WrittenEnvelope,
+    self as model, Accepted, Key, LeafShape, Species, Value, WrittenEnvelope, WrittenImage,
+    WrittenMesh,
 };
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -14,7 +15,7 @@ use toml::de::{DeTable, DeValue};
 use super::found::{Found, MOST_ERRORS};
 use super::source::{Source, shortened};
 use crate::spelling::nearest;
-use crate::{Error, ErrorKind, Shape};
+use crate::{Error, ErrorKind, Shape, read_leaf_image, read_leaf_mesh};
 
 /// Keys without which nothing says what tree is meant.
 const REQUIRED: [&str; 5] = ["name", "shape", "scale", "levels", "ratio"];
@@ -60,6 +61,16 @@ impl Reader<'_> {
         let is_given = |key: &str| self.given.contains(&key);
         if is_given("pruning.envelope") && !is_given("pruning.ratio") {
             self.species.pruning.ratio = 1.0;
+        }
+        if self.species.leaves.has_own_proportions() && !is_given("leaves.scale_x") {
+            self.species.leaves.scale_x = 1.0;
+        }
+        if let Some(fault) = self.species.leaves.image_fault() {
+            let leaves = document.get("leaves").and_then(|value| value.get_ref().as_table());
+            let image = leaves.and_then(|leaves| leaves.get("image"));
+            let text = image.and_then(|image| image.get_ref().as_str()).unwrap_or_default();
+            let kind = unread("leaves.image", text, fault.to_owned());
+            self.errors.add(kind, image.map(Spanned::span));
         }
     }
 
@@ -140,7 +151,10 @@ impl Reader<'_> {
                 | Accepted::LeafTarget,
                 DeValue::String(text),
             ) => return Some(Value::Text(text.to_string())),
-            (Accepted::Envelope, DeValue::String(text)) => return self.envelope(key, text, value),
+            (
+                Accepted::Envelope | Accepted::LeafMesh | Accepted::LeafImage,
+                DeValue::String(text),
+            ) => return self.named_file(key, accepted, text, value),
             (Accepted::Texts, DeValue::Array(_)) => return self.texts(key, value),
             (
                 Accepted::Numbers { .. } | Accepted::Target | Accepted::LeafTarget,
@@ -231,20 +245,38 @@ impl Reader<'_> {
         Some(Value::Texts(texts))
     }
 
-    /// The shape that the words stand for; a file that they name is looked for beside this one.
-    fn envelope(&mut self, key: &str, text: &str, value: &Spanned<DeValue<'_>>) -> Option<Value> {
-        let fault = match text.parse::<Shape>() {
-            Ok(shape) => match shape.envelope(self.errors.source.folder) {
-                Ok(envelope) => {
-                    let text = text.to_owned();
-                    return Some(Value::Envelope(WrittenEnvelope { text, envelope }));
+    /// The shape that the words stand for, or what is in the file that they name, which is looked
+    /// for beside this one.
+    fn named_file(
+        &mut self,
+        key: &str,
+        accepted: Accepted,
+        text: &str,
+        value: &Spanned<DeValue<'_>>,
+    ) -> Option<Value> {
+        let folder = self.errors.source.folder;
+        let path = || folder.map_or_else(|| text.into(), |folder| folder.join(text));
+        let named = || text.to_owned();
+        let read = match accepted {
+            Accepted::LeafMesh => read_leaf_mesh(path())
+                .map(|mesh| Value::LeafMesh(WrittenMesh { path: named(), mesh })),
+            Accepted::LeafImage => read_leaf_image(path())
+                .map(|image| Value::LeafImage(WrittenImage { path: named(), image })),
+            _ => match text.parse::<Shape>() {
+                Ok(shape) => shape
+                    .envelope(folder)
+                    .map(|envelope| Value::Envelope(WrittenEnvelope { text: named(), envelope })),
+                Err(fault) => {
+                    self.errors.add(unread(key, text, fault.to_string()), Some(value.span()));
+                    return None;
                 }
-                Err(error) => error.to_string(),
             },
-            Err(fault) => fault.to_string(),
         };
-        let kind = ErrorKind::UnreadShape { key: key.to_owned(), text: shortened(text), fault };
-        self.errors.add(kind, Some(value.span()));
+        let fault = match read {
+            Ok(read) => return Some(read),
+            Err(error) => error.to_string(),
+        };
+        self.errors.add(unread(key, text, fault), Some(value.span()));
         None
     }
 
@@ -289,6 +321,11 @@ impl Reader<'_> {
             }
         }
     }
+}
+
+/// The error about words that stand for nothing that can be read.
+fn unread(key: &str, text: &str, fault: String) -> ErrorKind {
+    ErrorKind::UnreadShape { key: key.to_owned(), text: shortened(text), fault }
 }
 
 fn unknown_name(key: String, value: String, fault: &model::Fault, names: &[&str]) -> ErrorKind {

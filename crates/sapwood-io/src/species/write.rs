@@ -40,6 +40,8 @@ fn literal(value: &Value) -> String {
         Value::Texts(texts) => list(texts.iter().map(|text| quoted(text))),
         Value::Numbers(numbers) => list(numbers.iter().copied().map(float)),
         Value::Envelope(written) => quoted(&written.text),
+        Value::LeafMesh(written) => quoted(&written.path),
+        Value::LeafImage(written) => quoted(&written.path),
         Value::Point(point) => format!("{{ point = {} }}", list(point.iter().copied().map(float))),
     }
 }

@@ -5,7 +5,7 @@
 //! these grow and emit their [`LeafSurface`].
 //! Children of a trunk are branches again, unless they are of the last level. All others come in
 //! batches of [`Twigs`], one for each branch and level, with their surface and their own children
-//! or leaves. Stems, segments and leaves are parts of these. Everything below the tree
+//! or leaves; trunks may have [`Roots`]. Stems, segments and leaves are parts of these. Everything below the tree
 //! is in tree space: z up, metres.
 //!
 //! Rules that tell of trees compile them into a [`TreeSurvey`] instead, which asks for the same
@@ -13,8 +13,8 @@
 
 use std::sync::Arc;
 
-use glam::Affine3;
-use sapwood_geom::{Content, Digester, Shared, content};
+use glam::{Affine3, Vec2};
+use sapwood_geom::{Content, Digester, Shared, SharedMesh, content};
 use sapwood_graph::{Named, Part};
 use sapwood_images::LeafOutline;
 use sapwood_scene::Component;
@@ -108,6 +108,21 @@ impl Named for Twigs {
 }
 
 impl Component for Twigs {}
+
+/// The roots of trunks.
+#[derive(Clone, Debug)]
+pub struct Roots {
+    /// The trunks that they grow from, among other stems.
+    pub stems: Shared<Stems>,
+}
+
+content!(Roots { stems });
+
+impl Named for Roots {
+    const NAME: &'static str = "roots";
+}
+
+impl Component for Roots {}
 
 /// The surface of stems.
 #[derive(Clone, Debug)]
@@ -217,6 +232,11 @@ pub struct LeafModel {
     pub shape: LeafShape,
     /// The outline that its image cuts out of it, if one does.
     pub outline: Option<LeafOutline>,
+    /// What is drawn instead of the shape, one long: a mesh of somebody's own, or the card of an
+    /// image.
+    pub mesh: Option<SharedMesh>,
+    /// Where on its texture the triangle lies that stands for it from afar.
+    pub spot: Vec2,
     /// Its length in metres, without the petiole.
     pub length: f32,
     /// Its width in metres.
@@ -225,7 +245,7 @@ pub struct LeafModel {
     pub petiole: f32,
 }
 
-content!(LeafModel { shape, outline, length, width, petiole });
+content!(LeafModel { shape, outline, mesh, spot, length, width, petiole });
 
 impl Named for LeafModel {
     const NAME: &'static str = "leaf_model";

@@ -1,12 +1,15 @@
 //! What trees look like: bark and leaves as their images and materials are made of, from what a
 //! species says and from what suits its shape where it says nothing.
 
-use sapwood_geom::content;
+use std::sync::Arc;
+
+use glam::Vec2;
+use sapwood_geom::{SharedMesh, content};
 use sapwood_graph::{Alpha, Material};
 use sapwood_images::{BarkImage, BarkKind, LeafImage, LeafOutline, Paint, PaintedMaterial};
 
-use super::geometry::half_width;
-use super::{Detail, LeafShape, Species};
+use super::geometry::{half_width, image_card, image_material, is_cut_out, spot, spot_of_card};
+use super::{Detail, LeafShape, LeavesSpec, Species};
 
 /// The bark of a species.
 #[derive(Clone, Debug, PartialEq)]
@@ -91,9 +94,18 @@ pub struct LeafLook {
     pub translucency: f32,
     /// How wide a leaf is against its length.
     pub width: f32,
+    /// How far normals follow the crown instead of each leaf: 0 not at all, 1 fully. Above 0 leaves are
+    /// written out one by one, instead of being instances of one mesh.
+    pub roundness: f32,
+    /// What leaves are drawn with instead, where they have a mesh or an image of somebody's own.
+    pub own: Option<Arc<Material>>,
+    /// The card, one long, on which an image is shown that has the leaf's outline.
+    pub card: Option<SharedMesh>,
+    /// Where on the texture something is shown that is not cut out.
+    pub spot: Vec2,
 }
 
-content!(LeafLook { outline, color, vein_color, translucency, width });
+content!(LeafLook { outline, color, vein_color, translucency, width, roundness, own, card, spot });
 
 impl LeafLook {
     /// The leaves of a species; what it does not say follows from their shape.
@@ -103,16 +115,27 @@ impl LeafLook {
         // Paler and yellower, whatever the colour.
         let pale = [0.12, 0.12, 0.05];
         let vein_color = std::array::from_fn(|i| (0.6 * color[i] + pale[i]).min(1.0));
+        let OwnLook { material: own, card, spot } = OwnLook::new(&species.leaves, color);
         Self {
             outline: leaves.outline.unwrap_or(outline_of(leaves.shape)),
             color,
             vein_color: leaves.vein_color.unwrap_or(vein_color),
-            translucency: leaves.translucency.unwrap_or(0.35),
+            translucency: leaves.translucency.unwrap_or(TRANSLUCENCY),
             width: 2.0 * half_width(leaves.shape) * leaves.scale_x,
+            roundness: leaves.roundness,
+            own,
+            card,
+            spot,
         }
     }
 
-    /// The material of the leaves.
+    /// The outline that their image cuts out of the shape; none where it is somebody's own.
+    pub(crate) fn outline_of_shape(&self) -> Option<LeafOutline> {
+        self.own.is_none().then_some(self.outline)
+    }
+
+    /// The material of the leaves as they are painted, where nobody has a material of
+    /// [their own](Self::own) for them.
     pub fn material(&self, detail: &Detail) -> PaintedMaterial {
         let leaf = LeafImage {
             outline: self.outline,
@@ -125,12 +148,55 @@ impl LeafLook {
         let is_whole = self.outline == LeafOutline::Whole;
         let material = Material {
             double_sided: true,
-            roughness: 0.6,
+            roughness: leaf_roughness(self.roundness),
             translucency: self.translucency,
             alpha: if is_whole { Alpha::Opaque } else { Alpha::Mask(0.5) },
             ..Material::matte("leaf", 1.0, 1.0, 1.0)
         };
         PaintedMaterial { material, paint: Paint::Leaf(leaf) }
+    }
+}
+
+/// The share of the light that goes through leaves, where nobody says another.
+const TRANSLUCENCY: f32 = 0.35;
+/// How rough leaves are. Normals that lie on no surface would shine at the crown's rim.
+fn leaf_roughness(roundness: f32) -> f32 {
+    0.6 + 0.4 * roundness
+}
+
+/// Beside the midrib of painted leaves.
+pub(crate) const BESIDE_MIDRIB: Vec2 = Vec2::new(0.4, 0.5);
+
+/// What a mesh or an image of somebody's own does to the look of leaves.
+struct OwnLook {
+    material: Option<Arc<Material>>,
+    card: Option<SharedMesh>,
+    spot: Vec2,
+}
+
+impl OwnLook {
+    fn new(leaves: &LeavesSpec, color: [f32; 3]) -> Self {
+        let translucency = leaves.translucency.unwrap_or(TRANSLUCENCY);
+        let roughness = leaf_roughness(leaves.roundness);
+        let image = leaves.image.as_ref().map(|own| &own.image);
+        let shown = image.map(|image| Arc::new(image_material(image, roughness, translucency)));
+        let Some(own) = &leaves.mesh else {
+            let cut_out = image.filter(|image| is_cut_out(image));
+            return Self {
+                material: shown,
+                card: cut_out.map(|image| SharedMesh::new(image_card(image))),
+                spot: cut_out.map_or(BESIDE_MIDRIB, |image| spot_of_card(image)),
+            };
+        };
+        let [red, green, blue] = color;
+        let plain = || {
+            let matte = Material::matte("leaf", red, green, blue);
+            Arc::new(Material { double_sided: true, roughness, translucency, ..matte })
+        };
+        let material = shown.or_else(|| own.mesh.material().cloned()).unwrap_or_else(plain);
+        let image = material.images.base_color.as_deref();
+        let cut = image.filter(|_| !matches!(material.alpha, Alpha::Opaque));
+        Self { spot: spot(own.mesh.unit(), cut), material: Some(material), card: None }
     }
 }
 

@@ -12,6 +12,7 @@ mod components;
 mod fading;
 mod geometry;
 mod growth;
+mod leaf_params;
 mod look;
 mod params;
 mod prune;
@@ -24,29 +25,31 @@ mod sway;
 mod tests;
 
 pub use components::{
-    Branch, Children, LeafModel, LeafSurface, Leaves, Seed, StemSurface, SurveyedBranches,
+    Branch, Children, LeafModel, LeafSurface, Leaves, Roots, Seed, StemSurface, SurveyedBranches,
     SurveyedGrowth, Tree, TreeSurvey, Twigs,
 };
 pub use fading::{FadingItem, FadingParams, Season, faded};
 pub use geometry::{
-    Detail, closed_stems, leaf_card, leaf_mesh, segments as stem_segments, surface,
+    Detail, LeafMesh, LeafMeshFault, LevelDetail, closed_stems, leaf_card, leaf_mesh,
+    segments as stem_segments, surface,
 };
 pub use growth::{
     Frame, Leaf, LeafPlaces, Limit, Segment, Stem, StemSeed, Stems, children, fit, foreseen, grow,
-    leaf_places, leaves, trunks,
+    leaf_places, leaves, roots, trunks,
 };
+pub use leaf_params::LeafParams;
 pub use look::{BarkLook, LeafLook};
-pub use params::{Crown, LeafParams, Level, Pruning, TrunkForm};
+pub use params::{Crown, Level, Pruning, RootParams, TrunkForm};
 pub use prune::prune_handlers;
 pub use rules::{fading, full, map, segments, skeleton, swaying, text};
 pub use slots::{
     BarkLookSlot, BarkSlot, CrownSlot, DetailSlot, FadingSlot, FoliageSlot, IsPrunedSlot,
-    LeafLookSlot, LeafTargetSlot, LeavesSlot, LevelSlot, PruneRatioSlot, RigSlot, SpeciesNameSlot,
-    StemTargetSlot, SwaySlot, TrunkFormSlot,
+    LeafLookSlot, LeafTargetSlot, LeavesSlot, LevelDetailSlot, LevelSlot, PruneRatioSlot, RigSlot,
+    RootsSlot, SpeciesNameSlot, StemTargetSlot, SwaySlot, TrunkFormSlot,
 };
 pub use species::{
     Accepted, BarkSpec, CrownShape, Dialect, Fault, Key, LeafShape, LeafTarget, LeavesSpec,
-    LevelSpec, Origin, PruningSpec, Species, Target, TreeGenExt, TrunkSpec, Value, Variation,
-    WrittenEnvelope, key, keys,
+    LevelSpec, Origin, PruningSpec, RootsSpec, Species, Target, TreeGenExt, TrunkSpec, Value,
+    Variation, WrittenEnvelope, WrittenImage, WrittenMesh, key, keys,
 };
 pub use sway::{Riding, SwayParams};

@@ -2,14 +2,14 @@
 //! than it must.
 //!
 //! One value for the whole tree, one per level, one for the leaves and one for the trunk's
-//! surface. A parameter of the leaves changes [`LeafParams`] alone; one of level n changes the
+//! surface. A parameter of the leaves changes [`LeafParams`](super::LeafParams) alone; one of level n changes the
 //! [`Level`] n alone, and the leaves if they take their angles from there.
 
 use glam::{Affine3, Vec3};
 use sapwood_geom::{Envelope, content};
 
 use super::growth::flare_factor;
-use super::{CrownShape, Dialect, LeafShape, LeafTarget, PruningSpec, Species, Target, Variation};
+use super::{CrownShape, Dialect, LevelDetail, PruningSpec, Species, Target, Variation};
 
 /// What holds for the whole tree.
 #[derive(Clone, Debug, PartialEq)]
@@ -220,6 +220,8 @@ pub struct Level {
     /// tree-gen's branch_dist, in its dialect only: 0 alternate, 1 opposite, above 1 whorls of one
     /// more.
     pub grouping: Option<f32>,
+    /// Whether stems of this level have leaves though it is not the last.
+    pub is_leafy: bool,
 }
 
 content!(Level {
@@ -245,6 +247,7 @@ content!(Level {
     base_size,
     bend_v,
     grouping,
+    is_leafy,
 });
 
 impl Level {
@@ -280,6 +283,7 @@ impl Level {
             base_size: if trunk { 0.0 } else { per_level(ext.and_then(|e| e.base_size), 0.0) },
             bend_v: per_level(ext.and_then(|ext| ext.bend_v), 0.0).to_radians(),
             grouping: grouping(species, n),
+            is_leafy: spec.leaves != 0,
         }
     }
 
@@ -289,114 +293,65 @@ impl Level {
     }
 }
 
-/// How what grows on level `n - 1` is grouped, where a species of tree-gen's dialect says so.
-fn grouping(species: &Species, n: usize) -> Option<f32> {
-    let ext = species.ext.as_ref().filter(|_| species.effective_dialect() == Dialect::TreeGen);
-    ext.and_then(|ext| ext.branch_dist).map(|dist| dist[n.min(3)])
+impl LevelDetail {
+    /// What a species asks for on levels 0 to 3.
+    pub fn all(species: &Species) -> [Self; 4] {
+        species.level.each_ref().map(|level| Self { sides: level.sides, segments: level.segments })
+    }
 }
 
-/// The leaves: their own parameters, and the angles of the level after the last stems.
+/// The roots of a species, angles in radians.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LeafParams {
-    /// Leaves; negative: a fan at the stem's tip.
-    pub count: i32,
-    /// LeafShape.
-    pub shape: LeafShape,
-    /// LeafScale in metres.
-    pub scale: f32,
-    /// LeafScaleX, width per length.
-    pub scale_x: f32,
-    /// LeafBend, a fraction.
-    pub bend: f32,
-    /// LeafStemLen, a fraction of the leaf's length.
-    pub stem_len: f32,
-    /// LeafDistrib.
-    pub distrib: CrownShape,
-    /// LeafQuality, above 0.
-    pub quality: f32,
-    /// How strongly leaves turn toward a direction or a point.
-    pub attraction: f32,
-    /// What leaves turn toward, in the world; growth takes the target in tree space.
-    pub target: LeafTarget,
-    /// nDownAngle of the leaf level.
+pub struct RootParams {
+    /// How many each trunk has.
+    pub count: u32,
+    /// Their length relative to the trunk's.
+    pub length: f32,
+    /// Its variation.
+    pub length_v: f32,
+    /// Their base radius relative to the trunk's, before flare.
+    pub radius: f32,
+    /// The angle between them and the trunk: more than a right angle leads down.
     pub down_angle: f32,
-    /// nDownAngleV of the leaf level.
+    /// Its variation.
     pub down_angle_v: f32,
-    /// nRotate of the leaf level; the opening angle of a fan.
-    pub rotate: f32,
-    /// nRotateV of the leaf level.
+    /// How far each is turned about the trunk from where even spacing has it.
     pub rotate_v: f32,
-    /// tree-gen's branch_dist of the leaf level, in its dialect only.
-    pub grouping: Option<f32>,
+    /// How they grow: taper, splits and curvature; a positive curve leads down.
+    pub level: Level,
 }
 
-content!(LeafParams {
-    count,
-    shape,
-    scale,
-    scale_x,
-    bend,
-    stem_len,
-    distrib,
-    quality,
-    attraction,
-    target,
-    down_angle,
-    down_angle_v,
-    rotate,
-    rotate_v,
-    grouping,
-});
+content!(RootParams { count, length, length_v, radius, down_angle, down_angle_v, rotate_v, level });
 
-impl LeafParams {
-    /// The leaves of a species.
+impl RootParams {
+    /// The roots of a species.
     pub fn new(species: &Species) -> Self {
-        let (leaves, level) = (&species.leaves, &species.level[species.leaf_level()]);
+        let roots = &species.roots;
+        let plain = Level::new(&Species::default(), 1);
         Self {
-            count: leaves.count,
-            shape: leaves.shape,
-            scale: leaves.scale,
-            scale_x: leaves.scale_x,
-            bend: leaves.bend,
-            stem_len: leaves.stem_len,
-            distrib: leaves.distrib,
-            quality: leaves.quality,
-            attraction: leaves.attraction,
-            target: leaves.target,
-            down_angle: level.down_angle.to_radians(),
-            down_angle_v: level.down_angle_v.to_radians(),
-            rotate: level.rotate.to_radians(),
-            rotate_v: level.rotate_v.to_radians(),
-            grouping: grouping(species, species.leaf_level()),
+            count: roots.count,
+            length: roots.length,
+            length_v: roots.length_v,
+            radius: roots.radius,
+            down_angle: roots.down_angle.to_radians(),
+            down_angle_v: roots.down_angle_v.to_radians(),
+            rotate_v: roots.rotate_v.to_radians(),
+            level: Level {
+                taper: roots.taper,
+                seg_splits: roots.seg_splits,
+                split_angle: roots.split_angle.to_radians(),
+                split_angle_v: roots.split_angle_v.to_radians(),
+                curve_res: roots.curve_res.max(1),
+                curve: roots.curve.to_radians(),
+                curve_v: roots.curve_v.to_radians(),
+                ..plain
+            },
         }
     }
+}
 
-    /// A share of the leaves, of the same area together. Fans keep their leaves: there are few,
-    /// and they are set one by one.
-    pub fn thinned(&self, share: f32) -> Self {
-        let share = if self.count < 0 { 1.0 } else { share.clamp(1e-6, 1.0) };
-        Self { quality: self.quality * share, ..self.clone() }
-    }
-
-    /// These with all that growth does not ask for set to what they say of no species: two that
-    /// are equal then have leaves in the same places.
-    pub fn of_growth(&self) -> Self {
-        let (shape, scale, scale_x, stem_len) = (LeafShape::Oval, 1.0, 1.0, 0.0);
-        Self { shape, scale, scale_x, stem_len, ..self.clone() }
-    }
-
-    /// The length of the petiole in metres.
-    pub fn petiole(&self) -> f32 {
-        self.stem_len * self.length()
-    }
-
-    /// The length of a leaf in metres; thinning by quality keeps the total area.
-    pub fn length(&self) -> f32 {
-        self.scale / self.quality.sqrt()
-    }
-
-    /// The width of a leaf in metres.
-    pub fn width(&self) -> f32 {
-        self.scale_x * self.length()
-    }
+/// How what grows on level `n - 1` is grouped, where a species of tree-gen's dialect says so.
+pub(super) fn grouping(species: &Species, n: usize) -> Option<f32> {
+    let ext = species.ext.as_ref().filter(|_| species.effective_dialect() == Dialect::TreeGen);
+    ext.and_then(|ext| ext.branch_dist).map(|dist| dist[n.min(3)])
 }

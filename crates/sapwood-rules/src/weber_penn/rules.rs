@@ -9,6 +9,7 @@ mod fading;
 mod geometry;
 mod map;
 mod pruning;
+mod roots;
 mod segments;
 mod skeleton;
 mod structure;
@@ -27,6 +28,7 @@ pub fn full() -> RuleSet {
         .with(structure::BranchRule)
         .with(structure::ChildrenRule)
         .with(structure::TwigsRule)
+        .with(roots::RootsRule)
         .with(structure::LeavesRule)
         // geometry: what it looks like
         .with(geometry::StemSurfaceRule)

@@ -7,8 +7,8 @@ use sapwood_graph::Material;
 use sapwood_scene::{Attribute, Held, Slot};
 
 use super::{
-    BarkLook, Crown, Detail, FadingParams, LeafLook, LeafParams, LeafTarget, Level, Riding,
-    Species, SwayParams, Target, TrunkForm,
+    BarkLook, Crown, Detail, FadingParams, LeafLook, LeafParams, LeafTarget, Level, LevelDetail,
+    Riding, RootParams, Species, SwayParams, Target, TrunkForm,
 };
 
 macro_rules! slot {
@@ -42,12 +42,20 @@ slot! {
     TrunkFormSlot: TrunkForm = "weber_penn.trunk_form", TrunkForm::new(&Species::default())
 }
 slot! {
+    /// The roots.
+    RootsSlot: RootParams = "weber_penn.roots", RootParams::new(&Species::default())
+}
+slot! {
     /// The leaves.
     LeavesSlot: LeafParams = "weber_penn.leaves", LeafParams::new(&Species::default())
 }
 slot! {
     /// How finely stems are meshed.
     DetailSlot: Detail = "weber_penn.detail", Detail::default()
+}
+slot! {
+    /// What the species says of how finely the stems of each level are meshed.
+    LevelDetailSlot: [LevelDetail; 4] = "weber_penn.level_detail", [LevelDetail::default(); 4]
 }
 slot! {
     /// How trees fade under the rules that have them do so.
@@ -136,6 +144,8 @@ impl Species {
         attribute.set::<LevelSlot<1>>(level_1);
         attribute.set::<LevelSlot<2>>(level_2);
         attribute.set::<LevelSlot<3>>(level_3);
+        attribute.set::<LevelDetailSlot>(LevelDetail::all(self));
+        attribute.set::<RootsSlot>(RootParams::new(self));
         attribute.set::<LeavesSlot>(LeafParams::new(self));
         attribute.set::<BarkLookSlot>(BarkLook::new(self));
         attribute.set::<LeafLookSlot>(LeafLook::new(self));

@@ -120,7 +120,9 @@ mod tests {
                 .contains(&name)
                 || ["leaves.outline", "leaves.color", "leaves.vein_color", "leaves.translucency"]
                     .contains(&name)
-                || ["bark.", "ext."].iter().any(|table| name.starts_with(table))
+                || ["leaves.mesh", "leaves.image", "leaves.roundness"].contains(&name)
+                || [".leaves", ".sides", ".segments"].iter().any(|key| name.ends_with(key))
+                || ["bark.", "ext.", "roots."].iter().any(|table| name.starts_with(table))
         };
         let known: Vec<_> = keys().collect();
         for key in model::keys() {

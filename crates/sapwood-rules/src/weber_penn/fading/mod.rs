@@ -8,5 +8,5 @@ mod range;
 
 pub(crate) use emit::SelfFading;
 pub use emit::faded;
-pub(crate) use order::{evenly_ordered_bands, evenly_ordered_leaves, leaf_point};
+pub(crate) use order::{evenly_ordered_bands, evenly_ordered_leaves, leaf_point, point_for};
 pub use range::{FadingItem, FadingParams, Season};

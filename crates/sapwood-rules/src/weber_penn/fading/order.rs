@@ -8,7 +8,8 @@ use sapwood_geom::{Mesh, Polyline};
 use sapwood_graph::even_order;
 
 use super::FadingItem;
-use crate::weber_penn::geometry::Band;
+use crate::weber_penn::geometry::{Band, point_half_width};
+use crate::weber_penn::look::BESIDE_MIDRIB;
 use crate::weber_penn::{LeafShape, leaf_mesh};
 
 /// Bands in their new order.
@@ -57,22 +58,17 @@ pub(crate) fn evenly_ordered_leaves<L: Copy>(leaves: &[L]) -> Vec<L> {
 /// A point proper would have no material, and no size in a file. All of it has the colour that the
 /// leaf's image has beside its middle.
 pub(crate) fn leaf_point(shape: LeafShape) -> Mesh {
-    let mesh = leaf_mesh(shape);
-    let area: f32 = mesh
-        .indices
-        .chunks_exact(3)
-        .map(|t| {
-            let [a, b, c] = [t[0], t[1], t[2]].map(|i| mesh.positions[i as usize]);
-            0.5 * (b - a).cross(c - a).length()
-        })
-        .sum();
-    // Whoever looks at a closed shape sees a quarter of its surface, and half of a flat one's.
-    let is_closed = matches!(shape, LeafShape::Sphere);
-    let half_width = if is_closed { 0.5 * area } else { area };
+    point_for(&leaf_mesh(shape), matches!(shape, LeafShape::Sphere), BESIDE_MIDRIB)
+}
+
+/// As [`leaf_point`], for a mesh one long that is a body or a sheet; all of it has the colour that the
+/// texture has at `spot`.
+pub(crate) fn point_for(mesh: &Mesh, is_closed: bool, spot: Vec2) -> Mesh {
+    let half_width = point_half_width(mesh, is_closed);
     Mesh {
         positions: vec![Vec3::new(half_width, 0.0, 0.0), Vec3::new(-half_width, 0.0, 0.0), Vec3::Z],
         normals: vec![Vec3::Y; 3],
-        uvs: vec![Vec2::new(0.4, 0.5); 3],
+        uvs: vec![spot; 3],
         indices: vec![0, 1, 2],
     }
 }

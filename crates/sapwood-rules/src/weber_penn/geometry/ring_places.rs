@@ -42,6 +42,22 @@ pub(crate) fn find_places(
     places.sort_unstable_by(f32::total_cmp);
 }
 
+/// Adds to the places of a stem those that divide its segments evenly, where its level asks for more
+/// pieces than segments; all stay ascending.
+pub(crate) fn divide_segments(stem: &Stem, detail: &Detail, places: &mut Vec<f32>) {
+    let n_before = places.len();
+    for i in stem.start..stem.curve_res {
+        let Some(pieces) = detail.n_pieces(stem, i) else { return };
+        places.extend(
+            (1..pieces)
+                .map(|piece| (i as f32 + piece as f32 / pieces as f32) / stem.curve_res as f32),
+        );
+    }
+    if n_before > 0 && places.len() > n_before {
+        places.sort_unstable_by(f32::total_cmp);
+    }
+}
+
 /// The ball end: rings at even angles of the quarter circle.
 fn find_tip_places(stem: &Stem, detail: &Detail, sides: u32, places: &mut Vec<f32>) {
     let (length, radius) = (stem.seed.length, stem.seed.radius);

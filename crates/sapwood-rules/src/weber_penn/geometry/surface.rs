@@ -10,102 +10,15 @@ use std::borrow::Cow;
 
 use glam::Vec3;
 use sapwood_geom::{
-    Around, Cap, Forking, Mesh, Ring, Section, Sweep, SweepOptions, SweepStart, Written, content,
+    Around, Cap, Forking, Mesh, Ring, Section, Sweep, SweepOptions, SweepStart, Written,
 };
 
 use self::forks::Forks;
 pub use self::segments::segments;
 
-use super::ring_places::find_places;
+use super::detail::{Detail, SectionKey};
+use super::ring_places::{divide_segments, find_places};
 use crate::weber_penn::{Segment, Stem, Stems, TrunkForm};
-
-/// How finely stems are meshed, and how many leaves stand for all.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Detail {
-    /// 0 angular to 1 smooth: sides of a stem's cross-section; Arbaro's Smooth.
-    pub smooth: f32,
-    /// Factor on the number of sides, 1 for a tree seen from nearby; never fewer than 3 sides.
-    pub sides: f32,
-    /// Factor on the number of rings that curved profiles have between segment ends.
-    pub rings: f32,
-    /// Share of the segment ends that have a ring on stems of level 2 and above; the last end
-    /// always has one.
-    pub ends: f32,
-    /// Share of the leaves that are drawn; fewer are larger, so that they cover as much.
-    pub leaves: f32,
-    /// Pixels along the edges of the images of bark and leaves, 1 to
-    /// [`LARGEST_IMAGE`](sapwood_images::LARGEST_IMAGE).
-    pub image_size: u32,
-    /// Whether trunks are closed at the foot; all other stems begin inside their parent.
-    pub closed_foot: bool,
-}
-
-content!(Detail { smooth, sides, rings, ends, leaves, image_size, closed_foot });
-
-impl Default for Detail {
-    fn default() -> Self {
-        Self {
-            smooth: 0.5,
-            sides: 1.0,
-            rings: 1.0,
-            ends: 1.0,
-            leaves: 1.0,
-            image_size: 256,
-            closed_foot: true,
-        }
-    }
-}
-
-impl Detail {
-    /// A tree still to be recognised, in about a quarter of the triangles.
-    pub fn draft() -> Self {
-        Self {
-            smooth: 0.0,
-            sides: 0.5,
-            rings: 0.25,
-            ends: 0.0,
-            leaves: 0.25,
-            image_size: 64,
-            ..Self::default()
-        }
-    }
-
-    /// Sides of the cross-section of a stem of this level and base radius in metres: by level
-    /// about 12, 6, 4 and 3, more where a branch is thick.
-    pub fn n_sides(&self, level: u8, radius: f32) -> u32 {
-        let smooth = self.smooth.clamp(0.0, 1.0);
-        let by_level = match level {
-            0 => 8.0 + 8.0 * smooth,
-            1 => 4.0 + 4.0 * smooth,
-            2 => 3.0 + 3.0 * smooth,
-            _ => 3.0,
-        };
-        let by_radius = 3.0 + (8.0 + 8.0 * smooth) * radius.clamp(0.0, 1.0).sqrt();
-        (by_level.max(by_radius) * self.sides.clamp(0.0, 64.0)).max(3.0) as u32
-    }
-
-    /// `n` rings for detail 1, at least `least`.
-    pub(crate) fn n_rings(&self, n: f32, least: u32) -> u32 {
-        ((n * self.rings.clamp(0.0, 16.0)).round() as u32).max(least)
-    }
-
-    /// Whether a stem of this level has a ring at the end of segment `i` of `n`.
-    fn has_ring(&self, level: u8, i: usize, n: usize) -> bool {
-        // How many of the first ends have one; rounded down, so that share 1 is all of them.
-        let rings = |ends: usize| (ends as f32 * self.ends.clamp(0.0, 1.0)) as u32;
-        level < 2 || i + 1 == n || rings(i) < rings(i + 1)
-    }
-
-    fn section(&self, level: u8, radius: f32, form: &TrunkForm) -> SectionKey {
-        if level == 0 && form.lobes > 0 && form.lobe_depth != 0.0 {
-            // A multiple of four, so that points fall on peaks and hollows.
-            let finer = (self.sides * (0.5 + self.smooth)).round().clamp(1.0, 16.0) as u32;
-            let sides = form.lobes.saturating_mul(4 * finer).min(4096);
-            return SectionKey { sides, lobed: true };
-        }
-        SectionKey { sides: self.n_sides(level, radius), lobed: false }
-    }
-}
 
 /// The surface of a batch of stems in tree space, one tube for each stem.
 ///
@@ -201,12 +114,6 @@ fn swept<E>(
         tubes.write(&mut mesh, segments.as_deref_mut());
     }
     Ok(mesh)
-}
-
-#[derive(Clone, Copy, PartialEq, Eq)]
-struct SectionKey {
-    sides: u32,
-    lobed: bool,
 }
 
 /// The ring at the end of a segment, for a clone to start with.
@@ -419,6 +326,7 @@ impl<'a> Tubes<'a> {
     fn place_rings(&mut self, index: usize, stem: &Stem, sides: u32, joint: Option<Joint>) {
         self.between.clear();
         find_places(stem, self.form, self.detail, sides, &mut self.between);
+        divide_segments(stem, self.detail, &mut self.between);
         self.rings.clear();
         self.of_rings.clear();
         self.ends.clear();
@@ -456,7 +364,13 @@ impl<'a> Tubes<'a> {
                 }
                 bend_before = bend;
             }
-            if !self.detail.has_ring(stem.seed.level, i, segments.len()) {
+            let has_ring = match self.detail.n_pieces(stem, stem.start + i as u32) {
+                None => self.detail.has_ring(stem.seed.level, i, segments.len()),
+                // Where clones leave, the ring must be there to fork.
+                Some(0) => self.forks.any_leave(number as usize) || i + 1 == segments.len(),
+                Some(_) => true,
+            };
+            if !has_ring {
                 self.ends.push(None);
                 continue;
             }

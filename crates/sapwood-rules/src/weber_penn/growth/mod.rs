@@ -1,7 +1,7 @@
 //! Growth: pure functions from parameters and a parent's facts to stems, segments and leaves.
 //!
 //! [`trunks`] seeds the trunks, [`grow`] makes stems of seeds, [`children`] seeds the next level
-//! on them, and [`leaves`] ends on the last. [`fit`] tells how long stems may be under an envelope,
+//! on them, [`roots`] those below, and [`leaves`] ends on the last. [`fit`] tells how long stems may be under an envelope,
 //! [`foreseen`] how far a whole tree may reach.
 //! Everything is in tree space.
 
@@ -15,6 +15,7 @@ mod leaf_turns;
 mod leaves;
 mod placement;
 mod reach;
+mod roots;
 mod shape_ratio;
 mod split;
 mod stem;
@@ -35,6 +36,7 @@ pub(super) use leaves::leaves_at;
 pub use leaves::{LeafPlaces, leaf_places, leaves};
 pub(super) use reach::Reach;
 pub use reach::foreseen;
+pub use roots::roots;
 pub use stem::{Leaf, Segment, Stem, StemSeed, Stems};
 pub(super) use taper::flare_factor;
 pub use trunks::trunks;

@@ -15,10 +15,11 @@ use super::attraction::TROPISM;
 use super::children::{TREE_GEN_THINNEST, lost_length};
 use super::curve::helix_radius;
 use super::leaves::relative_size;
+use super::roots::root_reach;
 use super::shape_ratio::shape_ratio;
 use super::trunks::scale_limit;
 use super::variation::greatest_deviation;
-use crate::weber_penn::{Crown, CrownShape, Dialect, LeafParams, Level, TrunkForm};
+use crate::weber_penn::{Crown, CrownShape, Dialect, LeafParams, Level, RootParams, TrunkForm};
 
 /// How many pieces the trunk is looked at in.
 const PIECES: u32 = 32;
@@ -27,8 +28,8 @@ const PIECES: u32 = 32;
 const SLACK: f32 = 1.001;
 
 /// A bound of every tree that any seed grows from these parameters, in tree space (z up, the
-/// foot at the origin): stems with their surfaces, splits and all, and leaves; every trunk of
-/// several. Nothing where no finite bound holds.
+/// foot at the origin): stems with their surfaces, splits and all, roots and leaves; every trunk
+/// of several. Nothing where no finite bound holds.
 ///
 /// `leaves` are those that are drawn: [thinned](LeafParams::thinned), where they are.
 pub fn foreseen(
@@ -36,6 +37,7 @@ pub fn foreseen(
     levels: [&Level; 4],
     form: &TrunkForm,
     leaves: &LeafParams,
+    roots: &RootParams,
 ) -> Option<Bound> {
     let trunk = levels[0];
     if crown.levels == 0 || trunk.branches <= 0 {
@@ -44,7 +46,7 @@ pub fn foreseen(
     let deviation = greatest_deviation(crown.variation);
     let length = longest(trunk, deviation) * scale_limit(crown);
     let aside = if trunk.branches > 1 { trunk.branch_dist.abs() } else { 0.0 };
-    let reach = Reach::new(crown, levels, form, leaves, false);
+    let reach = Reach::new(crown, levels, form, leaves, false).with_roots(roots, crown, trunk);
     let bound = reach.bound(Vec3::ZERO, length)?;
     let Bound { aabb, sphere } = bound;
     let around = Vec2::splat(aside).extend(0.0);
@@ -108,6 +110,20 @@ impl Reach {
             Dialect::Paper | Dialect::Arbaro => 0.0,
         };
         Self { side, up, down, middle, radius, margin: margin + thick }
+    }
+
+    /// The same with roots that reach so far from the foot, compared with the trunk's length.
+    pub(crate) fn with_roots(self, params: &RootParams, crown: &Crown, trunk: &Level) -> Self {
+        let spread = greatest_deviation(crown.variation) * trunk.radius_scale_v.abs();
+        let thickness = crown.ratio * (trunk.radius_scale + spread).max(0.0);
+        let far = root_reach(params, crown, thickness);
+        Self {
+            side: self.side.max(far),
+            up: self.up.max(far),
+            down: self.down.max(far),
+            radius: self.radius.max(far + self.middle.abs()),
+            ..self
+        }
     }
 
     /// The same with leaves that reach so many times as far.
@@ -428,12 +444,10 @@ fn lobes(form: &TrunkForm) -> f32 {
 
 /// How far a leaf reaches from the stem that it grows on, in metres.
 fn leaf_reach(leaves: &LeafParams) -> f32 {
-    if leaves.count == 0 {
+    if leaves.any_count() == 0 {
         return 0.0;
     }
     let (length, width) = (leaves.length().abs(), leaves.width().abs());
-    // The unit leaf is one long, and half its width is the most by which it is off its midrib; what
-    // stands for it from afar may be 1.2 times its width off that.
-    let tip = Vec3::new(1.2 * width, 0.5 * width, length);
+    let tip = leaves.reach * Vec3::new(width, width, length);
     leaves.stem_len.abs() * length + tip.length()
 }

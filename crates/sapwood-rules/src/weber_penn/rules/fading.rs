@@ -11,11 +11,12 @@ use sapwood_graph::{DrawRange, Fading, Falloff, Shown};
 use sapwood_scene::{Context, Rule, RuleError, Style, StyleSlot};
 
 use super::super::fading::{SelfFading, evenly_ordered_bands, evenly_ordered_leaves};
-use super::super::geometry::banded_surface;
-use super::super::slots::{BarkLookSlot, BarkSlot, DetailSlot, FadingSlot};
+use super::super::geometry::{banded_surface, ends_of_leaves};
+use super::super::slots::{BarkLookSlot, BarkSlot, FadingSlot};
 use super::super::{FadingItem, FadingParams, Leaf, LeafSurface, Stem, StemSurface};
 use super::geometry::{
-    LeafDress, LeafSurfaceRule, StemSurfaceRule, leaf_dress, material, trunk_form,
+    LeafDress, LeafSurfaceRule, StemSurfaceRule, WrittenLeaves, leaf_dress, material, stem_detail,
+    trunk_form,
 };
 use super::swaying::{Carried, segments_of};
 
@@ -38,9 +39,9 @@ impl Rule for FadingSurfaceRule {
         if is_gone(&params, [&polygons, &lines]) {
             return Ok(SelfFading);
         }
-        let detail = cx.read::<DetailSlot>();
+        let detail = stem_detail(cx);
         let look = cx.read::<BarkLookSlot>();
-        let (bark, _) = material::<BarkSlot>(|| look.material(level, &detail), cx)?;
+        let (bark, _) = material::<BarkSlot, _>(|| look.material(level, &detail), cx)?;
         let form = trunk_form(of, cx);
         // What is compiled for a range is not moved.
         let carried = Carried::of(&of.stems, params.fixed_range.is_none(), cx);
@@ -109,7 +110,7 @@ impl Rule for FadingLeavesRule {
         if *cx.read::<StyleSlot>() != Style::Solid {
             return LeafSurfaceRule.init(of, cx).map(|()| SelfFading);
         }
-        let LeafDress { meshes, foliage, rows } = leaf_dress(of, cx)?;
+        let LeafDress { meshes, foliage, rounding, rows } = leaf_dress(of, cx)?;
         let Some(foliage) = foliage else { return Ok(SelfFading) };
         let (mesh, point) = (meshes.whole.clone(), meshes.point.clone());
         let fading = cx.read::<FadingSlot>();
@@ -128,8 +129,34 @@ impl Rule for FadingLeavesRule {
         let keeps_coverage = fading.keeps_coverage;
         let points = Fading { shown: points, replaced: polygons, keeps_coverage, ..whole.clone() };
         let both = [(whole, mesh), (points, point)];
-        match fading.fixed_range {
-            None => {
+        match (fading.fixed_range, rounding) {
+            (range, Some(rounding)) => {
+                let carried = Carried::of(&of.stems, range.is_none(), cx);
+                let segments = carried.is_some().then(|| evenly_ordered_leaves(&segments_of(of)));
+                for (fading, mesh) in both {
+                    let (closed, segments) = (meshes.is_closed, segments.as_deref());
+                    let write = |places: &[Affine3]| {
+                        WrittenLeaves::new(&mesh, closed, places, &rounding, segments)
+                    };
+                    let Some(range) = range else {
+                        let ends = ends_of_leaves(&mesh, transforms.len());
+                        let fading = Fading { ends: Some(Shared::new(ends)), ..fading };
+                        write(&transforms).draw(carried.clone(), &foliage, cx, |cx, draw| {
+                            cx.fading(fading, |cx| draw(cx));
+                        });
+                        continue;
+                    };
+                    let drawn = fading.drawn(transforms.len() as u32, range);
+                    let growth = Affine3::from_scale(Vec3::splat(fading.growth(range)));
+                    let left = drawn.of(&transforms).iter().map(|place| *place * growth);
+                    let left: Vec<Affine3> = left.collect();
+                    if !left.is_empty() {
+                        let first = drawn.first;
+                        write(&left).starting(first).draw(None, &foliage, cx, |cx, draw| draw(cx));
+                    }
+                }
+            }
+            (None, None) => {
                 let transforms = Shared::new(transforms);
                 let carried = Carried::of(&of.stems, true, cx);
                 let segments = carried.is_some().then(|| evenly_ordered_leaves(&segments_of(of)));
@@ -143,7 +170,7 @@ impl Rule for FadingLeavesRule {
                     }
                 });
             }
-            Some(range) => {
+            (Some(range), None) => {
                 for (fading, mesh) in both {
                     let drawn = fading.drawn(transforms.len() as u32, range);
                     if drawn.is_empty() {

@@ -9,18 +9,22 @@ use sapwood_graph::{Material, Offers, Shown, Solids};
 use sapwood_images::PaintedMaterial;
 use sapwood_scene::{Context, Held, MaterialSlot, Rule, RuleError, Slot, Style, StyleSlot};
 
-use super::super::fading::leaf_point;
-use super::super::geometry::segmented_surface;
+use super::super::fading::{leaf_point, point_for};
+use super::super::geometry::{
+    Rounding, ends_of_leaves, for_vertices, is_closed, rounded_leaves, segmented_surface,
+};
 use super::super::growth::leaves_at;
+use super::super::look::BESIDE_MIDRIB;
 use super::super::slots::{
     BarkLookSlot, BarkSlot, CrownSlot, DetailSlot, FoliageSlot, LeafLookSlot, LeavesSlot,
-    TrunkFormSlot,
+    LevelDetailSlot, TrunkFormSlot,
 };
 use super::super::{
-    Crown, Detail, Leaf, LeafModel, LeafParams, LeafSurface, Species, Stem, StemSurface, Stems,
-    TrunkForm, closed_stems, leaf_card, leaf_mesh,
+    Crown, Detail, Leaf, LeafModel, LeafParams, LeafShape, LeafSurface, LevelDetail, Species, Stem,
+    StemSurface, Stems, TrunkForm, closed_stems, leaf_card, leaf_mesh,
 };
 use super::skeleton::draw_stem_lines;
+use super::structure::level;
 use super::swaying::{Carried, segments_of};
 
 /// Compiles stems into one mesh of tubes, or what else the style asks for.
@@ -69,12 +73,12 @@ impl Rule for StemSurfaceRule {
             draw_stem_lines(of, cx);
             return Ok(None);
         }
-        let detail = cx.read::<DetailSlot>();
+        let detail = stem_detail(cx);
         let look = cx.read::<BarkLookSlot>();
         let bark = if style == Style::Solid {
             let level = of.stems.stems.first().map_or(0, |stem| stem.seed.level);
             let own = || look.material(level, &detail);
-            Some(material::<BarkSlot>(own, cx)?.0)
+            Some(material::<BarkSlot, _>(own, cx)?.0)
         } else {
             None
         };
@@ -113,6 +117,22 @@ impl Solids for Nothing {
     }
 }
 
+/// How finely stems are meshed, as the view and the species say.
+pub(super) fn stem_detail(cx: &mut Context<'_>) -> Arc<Detail> {
+    let detail = cx.read::<DetailSlot>();
+    let wished = cx.read::<LevelDetailSlot>();
+    if *wished == [LevelDetail::default(); 4] {
+        return detail;
+    }
+    let mut levels = detail.levels;
+    for (level, wished) in levels.iter_mut().zip(wished.iter()) {
+        // What the view says goes first.
+        level.sides = level.sides.or(wished.sides);
+        level.segments = level.segments.or(wished.segments);
+    }
+    Arc::new(Detail { levels, ..Detail::clone(&detail) })
+}
+
 /// The form of the trunks among the stems.
 pub(super) fn trunk_form(of: &StemSurface, cx: &mut Context<'_>) -> Arc<TrunkForm> {
     let is_trunk = of.stems.stems.iter().any(|stem| stem.seed.level == 0);
@@ -126,8 +146,8 @@ pub(super) fn trunk_form(of: &StemSurface, cx: &mut Context<'_>) -> Arc<TrunkFor
 
 /// The material to draw with, and whether it is the species' own: one that is forced wins, then
 /// one that somebody has set in the slot, then that which `own` is painted to.
-pub(super) fn material<S: Slot<Value = Option<Material>, Rate = Held>>(
-    own: impl FnOnce() -> PaintedMaterial,
+pub(super) fn material<S: Slot<Value = Option<Material>, Rate = Held>, O: Into<Own>>(
+    own: impl FnOnce() -> O,
     cx: &mut Context<'_>,
 ) -> Result<(Arc<Material>, bool), RuleError> {
     let set = cx.read::<S>();
@@ -138,7 +158,24 @@ pub(super) fn material<S: Slot<Value = Option<Material>, Rate = Held>>(
     }
     match &*set {
         Some(set) => Ok((Arc::new(set.clone()), false)),
-        None => Ok((Arc::clone(cx.ingredient::<Arc<Material>>(own())?), true)),
+        None => match own().into() {
+            Own::Painted(own) => Ok((Arc::clone(cx.ingredient::<Arc<Material>>(own)?), true)),
+            Own::Given(own) => Ok((own, true)),
+        },
+    }
+}
+
+/// A species' own material.
+pub(super) enum Own {
+    /// One that images are to be painted for.
+    Painted(PaintedMaterial),
+    /// One that is there already.
+    Given(Arc<Material>),
+}
+
+impl From<PaintedMaterial> for Own {
+    fn from(painted: PaintedMaterial) -> Self {
+        Self::Painted(painted)
     }
 }
 
@@ -154,9 +191,11 @@ pub(super) struct LeafMeshes {
     pub(super) whole: SharedMesh,
     /// What stands for it from afar.
     pub(super) point: SharedMesh,
+    /// Whether it is a body and no sheet.
+    pub(super) is_closed: bool,
 }
 
-content!(LeafMeshes { whole, point });
+content!(LeafMeshes { whole, point, is_closed });
 
 impl Rule for LeafModelRule {
     type Component = LeafModel;
@@ -164,7 +203,7 @@ impl Rule for LeafModelRule {
     const NAME: &'static str = "weber_penn.leaf_model";
 
     fn init(&self, leaf: &LeafModel, _: &mut Context<'_>) -> Result<LeafMeshes, RuleError> {
-        let &LeafModel { shape, outline, length, width, petiole } = leaf;
+        let &LeafModel { shape, outline, ref mesh, spot, length, width, petiole } = leaf;
         // Narrower, it would have no triangles that are any.
         let width = width.max(NARROWEST * length);
         // As thick as it is wide.
@@ -178,8 +217,14 @@ impl Rule for LeafModelRule {
             mesh.append(unit, &size);
             SharedMesh::new(mesh)
         };
+        if let Some(mesh) = mesh {
+            let is_closed = is_closed(mesh);
+            let point = sized(&point_for(mesh, is_closed, spot));
+            return Ok(LeafMeshes { whole: sized(mesh), point, is_closed });
+        }
         let whole = outline.map_or_else(|| leaf_mesh(shape), |outline| leaf_card(shape, outline));
-        Ok(LeafMeshes { whole: sized(&whole), point: sized(&leaf_point(shape)) })
+        let (point, is_closed) = (sized(&leaf_point(shape)), shape == LeafShape::Sphere);
+        Ok(LeafMeshes { whole: sized(&whole), point, is_closed })
     }
 }
 
@@ -188,6 +233,8 @@ pub(super) struct LeafDress<'a> {
     pub(super) meshes: &'a LeafMeshes,
     /// Nothing where edges are drawn.
     pub(super) foliage: Option<Arc<Material>>,
+    /// How their normals follow the crown, where they do.
+    pub(super) rounding: Option<Rounding>,
     /// Each leaf as a part, when somebody asks.
     pub(super) rows: LeafRows,
 }
@@ -214,18 +261,100 @@ pub(super) fn leaf_dress<'a>(
     let style = *cx.read::<StyleSlot>();
     let crown = cx.read::<CrownSlot>();
     let detail = cx.read::<DetailSlot>();
-    let params = cx.read::<LeavesSlot>().thinned(detail.leaves);
-    let (foliage, outline) = if style == Style::Solid {
+    let on = of.stems.stems.first().map_or(0, |stem| stem.seed.level);
+    let params = cx.read::<LeavesSlot>().on_level(on, crown.levels).thinned(detail.leaves);
+    let mut roundness = 0.0;
+    let (foliage, worn) = if style == Style::Solid {
         let look = cx.read::<LeafLookSlot>();
-        let (foliage, is_own) = material::<FoliageSlot>(|| look.material(&detail), cx)?;
-        (Some(foliage), is_own.then_some(look.outline))
+        let own = || match &look.own {
+            Some(own) => Own::Given(Arc::clone(own)),
+            None => look.material(&detail).into(),
+        };
+        let (foliage, is_own) = material::<FoliageSlot, _>(own, cx)?;
+        roundness = look.roundness;
+        (Some(foliage), is_own.then_some(look))
     } else {
         (None, None)
     };
     let (length, width, petiole) = (params.length(), params.width(), params.petiole());
-    let model = LeafModel { shape: params.shape, outline, length, width, petiole };
+    let model = LeafModel {
+        shape: params.shape,
+        outline: worn.as_ref().and_then(|look| look.outline_of_shape()),
+        mesh: params.mesh.clone().or_else(|| worn.as_ref().and_then(|look| look.card.clone())),
+        spot: worn.map_or(BESIDE_MIDRIB, |look| look.spot),
+        length,
+        width,
+        petiole,
+    };
     let meshes = cx.ingredient::<LeafMeshes>(model)?;
-    Ok(LeafDress { meshes, foliage, rows: LeafRows { of: of.clone(), crown, params } })
+    let rounding = (roundness > 0.0).then(|| rounding(roundness, of, &crown, cx));
+    Ok(LeafDress { meshes, foliage, rounding, rows: LeafRows { of: of.clone(), crown, params } })
+}
+
+/// How normals of leaves follow the crown that their tree is likely to have.
+fn rounding(share: f32, of: &LeafSurface, crown: &Crown, cx: &mut Context<'_>) -> Rounding {
+    let scale_tree = of.stems.stems.first().map_or(crown.scale, |stem| stem.seed.scale_tree);
+    let levels = [level(cx, 0), level(cx, 1)];
+    Rounding::new(share, scale_tree, crown, levels.each_ref().map(|level| &**level))
+}
+
+/// Leaves that are written out one by one: their mesh, what they show, and what each of their
+/// vertices follows of what each leaf does.
+pub(super) struct WrittenLeaves {
+    mesh: SharedMesh,
+    /// The number behind the last triangle of each.
+    ends: Vec<u32>,
+    /// The first of their parts.
+    first: u32,
+    follows: Option<Vec<u32>>,
+}
+
+impl WrittenLeaves {
+    /// Leaves of these meshes at these places, with their normals rounded.
+    pub(super) fn new(
+        leaf: &Mesh,
+        is_closed: bool,
+        places: &[Affine3],
+        rounding: &Rounding,
+        segments: Option<&[u32]>,
+    ) -> Self {
+        Self {
+            mesh: SharedMesh::new(rounded_leaves(leaf, is_closed, places, rounding)),
+            ends: ends_of_leaves(leaf, places.len()),
+            first: 0,
+            follows: segments.map(|segments| for_vertices(leaf, segments)),
+        }
+    }
+
+    /// The same leaves, known by the rows of the parts from `first` on.
+    pub(super) fn starting(self, first: u32) -> Self {
+        Self { first, ..self }
+    }
+
+    /// Draws them; `around` may put something around the mesh.
+    pub(super) fn draw(
+        self,
+        carried: Option<Carried>,
+        foliage: &Arc<Material>,
+        cx: &mut Context<'_>,
+        around: impl FnOnce(&mut Context<'_>, &mut dyn FnMut(&mut Context<'_>)),
+    ) {
+        let Self { mesh, ends, first, follows } = self;
+        let shown = match first {
+            0 => Shown::spans::<Leaf>(ends),
+            first => {
+                let rows: Vec<u32> = (first..first + ends.len() as u32).collect();
+                Shown::rows::<Leaf>(ends, rows)
+            }
+        };
+        Carried::sway(carried, follows, cx, |cx, follow| {
+            around(cx, &mut |cx| {
+                cx.mesh(mesh.clone(), Arc::clone(foliage));
+                follow(cx);
+                cx.shows(shown.clone());
+            });
+        });
+    }
 }
 
 /// Compiles leaves into instances of one mesh, or what else the style asks for.
@@ -237,11 +366,18 @@ impl Rule for LeafSurfaceRule {
     const NAME: &'static str = "weber_penn.leaf_surface";
 
     fn init(&self, of: &LeafSurface, cx: &mut Context<'_>) -> Result<(), RuleError> {
-        let LeafDress { meshes, foliage, rows } = leaf_dress(of, cx)?;
+        let LeafDress { meshes, foliage, rounding, rows } = leaf_dress(of, cx)?;
         let mesh = meshes.whole.clone();
         cx.reserve_triangles((of.places.len() * mesh.n_triangles()) as u64)?;
-        match foliage {
-            Some(foliage) => {
+        match (foliage, rounding) {
+            (Some(foliage), Some(rounding)) => {
+                let carried = Carried::of(&of.stems, true, cx);
+                let segments = carried.is_some().then(|| segments_of(of));
+                let (closed, segments) = (meshes.is_closed, segments.as_deref());
+                let written = WrittenLeaves::new(&mesh, closed, &of.places, &rounding, segments);
+                written.draw(carried, &foliage, cx, |cx, draw| draw(cx));
+            }
+            (Some(foliage), None) => {
                 let carried = Carried::of(&of.stems, true, cx);
                 let segments = carried.is_some().then(|| segments_of(of));
                 Carried::sway(carried, segments, cx, |cx, follow| {
@@ -250,7 +386,7 @@ impl Rule for LeafSurfaceRule {
                     cx.shows(Shown::each::<Leaf>());
                 });
             }
-            None => {
+            (None, _) => {
                 let edges = mesh.edges();
                 let lines = of
                     .places

@@ -4,9 +4,9 @@ use sapwood_geom::{Content, Digester, Pieces, Shared, SharedMesh};
 use sapwood_graph::{Named, Offers, Pieced};
 use sapwood_scene::{Context, Rule, RuleError, Style, StyleSlot};
 
-use super::super::slots::{BarkLookSlot, BarkSlot, DetailSlot};
+use super::super::slots::{BarkLookSlot, BarkSlot};
 use super::super::{StemSurface, stem_segments};
-use super::geometry::{material, trunk_form};
+use super::geometry::{material, stem_detail, trunk_form};
 use super::skeleton::draw_stem_lines;
 
 /// Compiles stems into one mesh of separate segments, or what else the style asks for.
@@ -42,11 +42,11 @@ impl Rule for SegmentsRule {
             draw_stem_lines(of, cx);
             return Ok(Segmented(None));
         }
-        let detail = cx.read::<DetailSlot>();
+        let detail = stem_detail(cx);
         let look = cx.read::<BarkLookSlot>();
         let bark = if style == Style::Solid {
             let level = of.stems.stems.first().map_or(0, |stem| stem.seed.level);
-            Some(material::<BarkSlot>(|| look.material(level, &detail), cx)?.0)
+            Some(material::<BarkSlot, _>(|| look.material(level, &detail), cx)?.0)
         } else {
             None
         };

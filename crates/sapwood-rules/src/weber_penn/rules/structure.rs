@@ -13,7 +13,7 @@ use sapwood_scene::{
 use super::super::growth::{Reach, children_on, is_attracted};
 use super::super::slots::{
     CrownSlot, DetailSlot, FadingSlot, IsPrunedSlot, LeafTargetSlot, LeavesSlot, LevelSlot,
-    StemTargetSlot, TrunkFormSlot,
+    RootsSlot, StemTargetSlot, TrunkFormSlot,
 };
 use super::super::{
     Branch, Children, Crown, Leaf, LeafParams, LeafPlaces, LeafSurface, LeafTarget, Leaves, Level,
@@ -21,6 +21,7 @@ use super::super::{
     trunks,
 };
 use super::pruning::{IsPruned, fitted};
+use super::roots::emit_roots;
 
 /// The parameters of a level.
 pub(super) fn level(cx: &mut Context<'_>, n: usize) -> Arc<Level> {
@@ -33,7 +34,9 @@ pub(super) fn level(cx: &mut Context<'_>, n: usize) -> Arc<Level> {
 }
 
 /// Charges rows of stems, segments or seeds to the budget of parts.
-fn charging<'c>(cx: &'c mut Context<'_>) -> impl FnMut(usize) -> Result<(), Interrupted> + 'c {
+pub(super) fn charging<'c>(
+    cx: &'c mut Context<'_>,
+) -> impl FnMut(usize) -> Result<(), Interrupted> + 'c {
     |rows| cx.reserve_parts(rows as u64)
 }
 
@@ -144,6 +147,7 @@ impl Projection for ForeseenReach {
         let leaves = slots.read::<LeavesSlot>().thinned(slots.read::<DetailSlot>().leaves);
         let levels = levels.each_ref().map(|level| &**level);
         let reach = Reach::new(&crown, levels, &form, &leaves, self.topped);
+        let reach = reach.with_roots(&slots.read::<RootsSlot>(), &crown, levels[0]);
         let fading = slots.read::<FadingSlot>();
         reach.with_leaves_grown(fading.largest_growth()).rounded_up(crown.scale)
     }
@@ -221,6 +225,7 @@ impl Rule for BranchRule {
     fn init(&self, branch: &Branch, cx: &mut Context<'_>) -> Result<Shared<Stems>, RuleError> {
         let stems = branch_stems(branch, cx)?;
         emit_grown(&stems, cx);
+        emit_roots(&stems, cx);
         Ok(stems)
     }
 }
@@ -336,13 +341,15 @@ pub(super) fn twig_stems(twigs: &Twigs, cx: &mut Context<'_>) -> Result<Shared<S
     grown(cx, &twigs.seeds, Digest::of(twigs))
 }
 
-/// Emits what grows on stems: the next level, or leaves on the last.
+/// Emits what grows on stems: the next level, and leaves on the last and wherever there are any.
 fn emit_growth(stems: &Shared<Stems>, cx: &mut Context<'_>) {
     let Some(first) = stems.stems.first() else { return };
     let crown = cx.read::<CrownSlot>();
-    if u32::from(first.seed.level) + 1 < crown.levels {
+    let is_last = u32::from(first.seed.level) + 1 >= crown.levels;
+    if !is_last {
         cx.emit(Children { stems: stems.clone() });
-    } else {
+    }
+    if is_last || level(cx, usize::from(first.seed.level)).is_leafy {
         cx.emit(Leaves { stems: stems.clone() });
     }
 }
@@ -356,8 +363,9 @@ impl Rule for LeavesRule {
     const NAME: &'static str = "weber_penn.leaves";
 
     fn init(&self, on: &Leaves, cx: &mut Context<'_>) -> Result<(), RuleError> {
-        let Some(params) = cx.project(LeavesOfGrowth) else { return Ok(()) };
         let crown = cx.read::<CrownSlot>();
+        let below = level_of_leaves(&on.stems, &crown);
+        let Some(params) = cx.project(LeavesOfGrowth { below }) else { return Ok(()) };
         let target = cx.read::<LeafTargetSlot>();
         let LeafPlaces { places, stems } =
             leaf_places(&on.stems, &crown, &params, &target, &mut charging(cx))?;
@@ -373,12 +381,23 @@ impl Rule for LeavesRule {
     }
 }
 
+/// The level of the stems that leaves grow on, unless it is the last.
+fn level_of_leaves(stems: &Stems, crown: &Crown) -> Option<u8> {
+    let level = stems.stems.first()?.seed.level;
+    (u32::from(level) + 1 < crown.levels).then_some(level)
+}
+
 /// What growth asks of the leaves, so that leaves of another size stay where they are; nothing
 /// where the style has none drawn.
-struct LeavesOfGrowth;
+struct LeavesOfGrowth {
+    /// The level of the stems that they grow on, unless it is the last.
+    below: Option<u8>,
+}
 
 impl Content for LeavesOfGrowth {
-    fn write(&self, _: &mut Digester) {}
+    fn write(&self, digester: &mut Digester) {
+        digester.add(&self.below);
+    }
 }
 
 impl Projection for LeavesOfGrowth {
@@ -390,7 +409,12 @@ impl Projection for LeavesOfGrowth {
             return None;
         }
         // A coarse leaf mesh would lose the shape; fewer, larger leaves keep it.
-        let leaves = slots.read::<LeavesSlot>().thinned(slots.read::<DetailSlot>().leaves);
+        let leaves = slots.read::<LeavesSlot>();
+        let share = slots.read::<DetailSlot>().leaves;
+        let leaves = match self.below {
+            Some(level) => leaves.on_level(level, u32::MAX).thinned(share),
+            None => leaves.thinned(share),
+        };
         Some(leaves.of_growth())
     }
 }
@@ -416,9 +440,14 @@ fn grown(
     let mut digester = Digester::new();
     digester.add(Stem::NAME).add(&origin).add(&*crown).add(&*target).add(&*level);
     let stems = Shared::with_digest(digester.finish(), stems);
+    add_stem_parts(&stems, cx);
+    Ok(stems)
+}
+
+/// Adds stems and their segments as parts.
+pub(super) fn add_stem_parts(stems: &Shared<Stems>, cx: &mut Context<'_>) {
     cx.parts::<Stem>(StemRows(stems.clone()));
     cx.parts::<Segment>(SegmentRows(stems.clone()));
-    Ok(stems)
 }
 
 /// The stems of a batch as parts.

@@ -14,7 +14,7 @@ use super::super::{
     Branch, Children, Leaves, StemSeed, Stems, SurveyedBranches, SurveyedGrowth, Tree, TreeSurvey,
     Twigs, leaves,
 };
-use super::structure::{Offspring, plant};
+use super::structure::{Offspring, level as of_level, plant};
 
 /// How many branches are asked for at once: what a component may be made of is limited, and for
 /// each ingredient that is missing its rule begins again.
@@ -126,9 +126,12 @@ impl Rule for SurveyedGrowthRule {
         let mut survey = Survey::default();
         let stems = on.stems.clone();
         let level = stems.stems.first().map_or(0, |first| u32::from(first.seed.level));
-        if level + 1 >= cx.read::<CrownSlot>().levels {
-            let tally = cx.ingredient::<Shared<LeafTally>>(Leaves { stems })?;
+        let is_last = level + 1 >= cx.read::<CrownSlot>().levels;
+        if is_last || of_level(cx, level as usize).is_leafy {
+            let tally = cx.ingredient::<Shared<LeafTally>>(Leaves { stems: stems.clone() })?;
             survey.leaves.push(tally.clone());
+        }
+        if is_last {
             return Ok(survey);
         }
         match cx.ingredient::<Offspring>(Children { stems })? {
@@ -156,7 +159,8 @@ impl Rule for LeafTallyRule {
         let params = cx.read::<LeavesSlot>();
         let detail = cx.read::<DetailSlot>();
         let target = cx.read::<LeafTargetSlot>();
-        let params = params.thinned(detail.leaves);
+        let level = on.stems.stems.first().map_or(0, |stem| stem.seed.level);
+        let params = params.on_level(level, crown.levels).thinned(detail.leaves);
         let mut charge = |leaves: usize| cx.reserve_parts(leaves as u64);
         let leaves = leaves(&on.stems, &crown, &params, &target, &mut charge)?;
         Ok(Shared::new(LeafTally::of(&leaves)))

@@ -12,6 +12,7 @@ use super::super::growth::helix_radius;
 use super::super::slots::{RigSlot, SwaySlot};
 use super::super::sway::{Riding, rig_of};
 use super::super::{Branch, Children, LeafSurface, Segment, StemSeed, Stems, Tree, Twigs};
+use super::roots::emit_roots;
 use super::structure::{Offspring, branch_stems, emit_grown, level, offspring, plant, twig_stems};
 
 /// Compiles a tree as the rule without wind does, and foresees that it sways.
@@ -46,6 +47,7 @@ impl Rule for SwayingBranchRule {
     fn init(&self, branch: &Branch, cx: &mut Context<'_>) -> Result<Shared<Stems>, RuleError> {
         let stems = branch_stems(branch, cx)?;
         emit_rigged(&stems, cx);
+        emit_roots(&stems, cx);
         Ok(stems)
     }
 }
@@ -78,6 +80,7 @@ fn emit_rigged(stems: &Shared<Stems>, cx: &mut Context<'_>) {
 }
 
 /// What something drawn hangs on: the rig that the rules have handed down.
+#[derive(Clone)]
 pub(super) struct Carried {
     rig: Shared<Rig>,
     /// The joint of the first segment of the stems that are drawn.

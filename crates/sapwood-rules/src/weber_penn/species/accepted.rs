@@ -49,6 +49,10 @@ pub enum Accepted {
     LeafTarget,
     /// A shape that holds the tree, in words.
     Envelope,
+    /// The path of a file with the mesh of a leaf.
+    LeafMesh,
+    /// The path of a file with the image of a leaf.
+    LeafImage,
 }
 
 impl Accepted {
@@ -74,6 +78,8 @@ impl Accepted {
             Self::Target => Target::from_value(value).is_some(),
             Self::LeafTarget => LeafTarget::from_value(value).is_some(),
             Self::Envelope => matches!(value, Value::Envelope(_)),
+            Self::LeafMesh => matches!(value, Value::LeafMesh(_)),
+            Self::LeafImage => matches!(value, Value::LeafImage(_)),
         }
     }
 }
@@ -109,6 +115,8 @@ impl fmt::Display for Accepted {
                 "\"sphere:X,Y,Z,R\", \"box:X0,Y0,Z0,X1,Y1,Z1\", \"half-space:NX,NY,NZ,D\", \
                  \"mesh:FILE.glb\" or \"outside:SHAPE\", in metres from the tree's foot, y up"
             ),
+            Self::LeafMesh => write!(f, "the path of a .glb or .gltf file"),
+            Self::LeafImage => write!(f, "the path of a PNG or JPEG file"),
             Self::LeafTarget => write!(
                 f,
                 "\"outward\", \"scattered\", a direction [x, y, z] or {{ point = [x, y, z] }}"

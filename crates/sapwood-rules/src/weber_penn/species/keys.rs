@@ -263,8 +263,24 @@ table! {
         "trunk.scale": FACTOR, None, None, (trunk.scale);
         "trunk.scale_v": FACTOR_V, None, None, (trunk.scale_v);
         "trunk.base_splits": whole_from(0, 100), None, or(whole_from(-100, 100)), (trunk.base_splits);
+        "roots.count": whole_from(0, 1_000), None, None, (roots.count);
+        "roots.length": FACTOR_V, None, None, (roots.length);
+        "roots.length_v": FACTOR_V, None, None, (roots.length_v);
+        "roots.radius": FACTOR_V, None, None, (roots.radius);
+        "roots.down_angle": ANGLE, None, None, (roots.down_angle);
+        "roots.down_angle_v": ANGLE, None, None, (roots.down_angle_v);
+        "roots.rotate_v": TURN, None, None, (roots.rotate_v);
+        "roots.taper": TAPER, None, None, (roots.taper);
+        "roots.seg_splits": FACTOR_V, None, None, (roots.seg_splits);
+        "roots.split_angle": range(0.0, 180.0), None, None, (roots.split_angle);
+        "roots.split_angle_v": range(0.0, 180.0), None, None, (roots.split_angle_v);
+        "roots.curve_res": whole_from(1, 1_000), None, None, (roots.curve_res);
+        "roots.curve": BEND, None, None, (roots.curve);
+        "roots.curve_v": range(0.0, 36_000.0), None, None, (roots.curve_v);
         "leaves.count": CHILDREN, None, None, (leaves.count);
         "leaves.shape": Accepted::LeafShape, None, None, (leaves.shape);
+        "leaves.mesh": Accepted::LeafMesh, None, None, (leaves.mesh);
+        "leaves.image": Accepted::LeafImage, None, None, (leaves.image);
         "leaves.scale": above_zero(100.0), None, None, (leaves.scale);
         "leaves.scale_x": FACTOR, None, None, (leaves.scale_x);
         "leaves.bend": SHARE, None, None, (leaves.bend);
@@ -277,6 +293,7 @@ table! {
         "leaves.color": COLOR, None, None, (leaves.color);
         "leaves.vein_color": COLOR, None, None, (leaves.vein_color);
         "leaves.translucency": SHARE, None, None, (leaves.translucency);
+        "leaves.roundness": SHARE, None, None, (leaves.roundness);
         "bark.kind": Accepted::Names(&BARKS), None, None, (bark.kind);
         "bark.color": COLOR, None, None, (bark.color);
         "bark.deep_color": COLOR, None, None, (bark.deep_color);
@@ -306,6 +323,9 @@ table! {
         "curve": BEND, None, curve;
         "curve_back": BEND, None, curve_back;
         "curve_v": range(-90.0, 36_000.0), None, curve_v;
+        "leaves": CHILDREN, None, leaves;
+        "sides": whole_from(3, 256), None, sides;
+        "segments": whole_from(1, 1_000), None, segments;
     }
     ext: {
         "base_size": list(4, 0.0, 1.0), base_size;
@@ -402,6 +422,8 @@ mod tests {
         check("level.1.taper", &[0.0, 2.999], &[-0.1, 3.0]);
         check("level.2.curve_v", &[-90.0, 500.0], &[-90.1, 36_001.0]);
         check("level.3.curve_res", &[1.0, 1e3], &[0.0, 1001.0]);
+        check("level.0.sides", &[3.0, 256.0], &[2.0, 4.5, 257.0]);
+        check("level.2.segments", &[1.0, 1e3], &[0.0, 1001.0]);
         check("level.1.seg_splits", &[0.0, 100.0], &[-0.1, 1e30]);
         check("level.0.branch_dist", &[0.0, 5.0], &[-0.1]);
         check("level.1.branch_dist", &[0.0, 1.0], &[1.1]);

@@ -11,10 +11,12 @@ mod value;
 
 use sapwood_images::{BarkKind, LeafOutline};
 
+use super::geometry::is_cut_out;
+
 pub use accepted::Accepted;
 pub use choices::{CrownShape, Dialect, LeafShape, LeafTarget, Origin, Target, Variation};
 pub use keys::{Fault, Key, key, keys};
-pub use value::{Value, WrittenEnvelope};
+pub use value::{Value, WrittenEnvelope, WrittenImage, WrittenMesh};
 
 /// The parameters of one species, in degrees and metres.
 ///
@@ -65,6 +67,8 @@ pub struct Species {
     pub smooth: Option<f32>,
     /// What the trunk alone has.
     pub trunk: TrunkSpec,
+    /// The roots, which the paper knows nothing of.
+    pub roots: RootsSpec,
     /// The bark.
     pub bark: BarkSpec,
     /// The leaves.
@@ -122,6 +126,7 @@ impl Default for Species {
             attraction_up: 0.0,
             smooth: None,
             trunk: TrunkSpec::default(),
+            roots: RootsSpec::default(),
             bark: BarkSpec::default(),
             leaves: LeavesSpec::default(),
             pruning: PruningSpec::default(),
@@ -154,6 +159,60 @@ impl Default for TrunkSpec {
     }
 }
 
+/// The roots of a species, in degrees and fractions: stems that grow from the foot of each trunk.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RootsSpec {
+    /// How many each trunk has; 0: none.
+    pub count: u32,
+    /// Their length relative to the trunk's.
+    pub length: f32,
+    /// Its variation.
+    pub length_v: f32,
+    /// Their radius at the foot relative to the trunk's.
+    pub radius: f32,
+    /// The angle between them and the trunk: more than 90 leads down.
+    pub down_angle: f32,
+    /// Its variation.
+    pub down_angle_v: f32,
+    /// How far each may stand beside where even spacing has it.
+    pub rotate_v: f32,
+    /// As nTaper.
+    pub taper: f32,
+    /// As nSegSplits.
+    pub seg_splits: f32,
+    /// As nSplitAngle, of which the angle that a root makes with the vertical is taken away.
+    pub split_angle: f32,
+    /// As nSplitAngleV.
+    pub split_angle_v: f32,
+    /// As nCurveRes.
+    pub curve_res: u32,
+    /// As nCurve; positive: down.
+    pub curve: f32,
+    /// As nCurveV.
+    pub curve_v: f32,
+}
+
+impl Default for RootsSpec {
+    fn default() -> Self {
+        Self {
+            count: 0,
+            length: 0.3,
+            length_v: 0.1,
+            radius: 0.45,
+            down_angle: 85.0,
+            down_angle_v: 8.0,
+            rotate_v: 15.0,
+            taper: 1.0,
+            seg_splits: 0.0,
+            split_angle: 130.0,
+            split_angle_v: 10.0,
+            curve_res: 8,
+            curve: 35.0,
+            curve_v: 60.0,
+        }
+    }
+}
+
 /// The bark of a species; what is not given follows from the rest.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BarkSpec {
@@ -178,9 +237,14 @@ pub struct LeavesSpec {
     pub count: i32,
     /// LeafShape: the outline.
     pub shape: LeafShape,
+    /// A mesh instead of the shape.
+    pub mesh: Option<WrittenMesh>,
+    /// An image instead of a painted one. One of which parts are cut out is shown on a card in its
+    /// own proportions, any other on the shape; on a mesh by its texture coordinates.
+    pub image: Option<WrittenImage>,
     /// LeafScale: length in metres.
     pub scale: f32,
-    /// LeafScaleX: width per length.
+    /// LeafScaleX: width per length; of meshes and cards a factor on their own width.
     pub scale_x: f32,
     /// LeafBend: 0 to 1, how far leaves turn outward and up.
     pub bend: f32,
@@ -202,6 +266,8 @@ pub struct LeavesSpec {
     pub vein_color: Option<[f32; 3]>,
     /// The share of the light scattered in them that leaves on the other side.
     pub translucency: Option<f32>,
+    /// 0 to 1: how far their normals follow the crown instead of each leaf, for a soft look.
+    pub roundness: f32,
 }
 
 impl Default for LeavesSpec {
@@ -209,6 +275,8 @@ impl Default for LeavesSpec {
         Self {
             count: 0,
             shape: LeafShape::Oval,
+            mesh: None,
+            image: None,
             scale: 0.2,
             scale_x: 0.5,
             bend: 0.3,
@@ -221,7 +289,25 @@ impl Default for LeavesSpec {
             color: None,
             vein_color: None,
             translucency: None,
+            roundness: 0.0,
         }
+    }
+}
+
+impl LeavesSpec {
+    /// Whether they have proportions of their own, which a `scale_x` of 1 keeps: those of a mesh, or
+    /// of an image that is cut out.
+    pub fn has_own_proportions(&self) -> bool {
+        self.mesh.is_some() || self.image.as_ref().is_some_and(|own| is_cut_out(&own.image))
+    }
+
+    /// Why the image cannot be shown, in words, if it cannot.
+    pub fn image_fault(&self) -> Option<&'static str> {
+        let is_bare = self.mesh.as_ref().is_some_and(|own| !own.mesh.has_uvs());
+        (is_bare && self.image.is_some()).then_some(
+            "the leaf's mesh has no texture coordinates to lay the image by (accepted: without a \
+             mesh, or with one that has them)",
+        )
     }
 }
 
@@ -292,6 +378,13 @@ pub struct LevelSpec {
     pub curve_back: f32,
     /// nCurveV: random bend; negative: a helix of that declination.
     pub curve_v: f32,
+    /// The most leaves on one stem of the level, besides those that the last level has by
+    /// [`LeavesSpec::count`]; negative: a fan at its tip. Means nothing on the last level itself.
+    pub leaves: i32,
+    /// Sides of the stems' cross-section; not given: by level and thickness.
+    pub sides: Option<u32>,
+    /// Pieces of the stems' surface from end to end; not given: one for each segment.
+    pub segments: Option<u32>,
 }
 
 impl Default for LevelSpec {
@@ -313,6 +406,9 @@ impl Default for LevelSpec {
             curve: 0.0,
             curve_back: 0.0,
             curve_v: 0.0,
+            leaves: 0,
+            sides: None,
+            segments: None,
         }
     }
 }

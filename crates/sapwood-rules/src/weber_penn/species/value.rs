@@ -2,8 +2,10 @@
 
 use std::fmt;
 
-use sapwood_geom::Envelope;
+use sapwood_geom::{Envelope, Image, Shared};
 use sapwood_images::{BarkKind, LeafOutline};
+
+use crate::weber_penn::LeafMesh;
 
 use super::choices::{CrownShape, Dialect, LeafShape, LeafTarget, Origin, Target, Variation};
 
@@ -24,6 +26,10 @@ pub enum Value {
     Point([f32; 3]),
     /// A shape in words, and what they stand for.
     Envelope(WrittenEnvelope),
+    /// The mesh of a leaf, by the file that it is from.
+    LeafMesh(WrittenMesh),
+    /// The image of a leaf, by the file that it is from.
+    LeafImage(WrittenImage),
 }
 
 /// An envelope as a file words it; reading the words, and files that they name, is left to
@@ -36,6 +42,26 @@ pub struct WrittenEnvelope {
     pub envelope: Envelope,
 }
 
+/// A leaf's mesh, and the file that it is from; reading that is left to others.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WrittenMesh {
+    /// The path of the file, as a species file names it; empty for one that is from no file.
+    pub path: String,
+    /// What it holds.
+    pub mesh: LeafMesh,
+}
+
+/// A leaf's image, and the file that it is from; reading that is left to others.
+///
+/// Pixels that are less than half covered are cut out. Its upper edge is the leaf's tip.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WrittenImage {
+    /// The path of the file, as a species file names it; empty for one that is from no file.
+    pub path: String,
+    /// What it holds.
+    pub image: Shared<Image>,
+}
+
 impl fmt::Display for Value {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -46,6 +72,8 @@ impl fmt::Display for Value {
             Self::Numbers(numbers) => write!(f, "{numbers:?}"),
             Self::Point(point) => write!(f, "{{ point = {point:?} }}"),
             Self::Envelope(written) => write!(f, "{:?}", written.text),
+            Self::LeafMesh(written) => write!(f, "{:?}", written.path),
+            Self::LeafImage(written) => write!(f, "{:?}", written.path),
         }
     }
 }
@@ -119,17 +147,26 @@ impl Field for String {
     }
 }
 
-impl Field for WrittenEnvelope {
-    fn to_value(&self) -> Option<Value> {
-        Some(Value::Envelope(self.clone()))
-    }
-    fn from_value(value: &Value) -> Option<Self> {
-        match value {
-            Value::Envelope(written) => Some(written.clone()),
-            _ => None,
+macro_rules! written_field {
+    ($($t:ty => $variant:ident),*) => {$(
+        impl Field for $t {
+            fn to_value(&self) -> Option<Value> {
+                Some(Value::$variant(self.clone()))
+            }
+            fn from_value(value: &Value) -> Option<Self> {
+                match value {
+                    Value::$variant(written) => Some(written.clone()),
+                    _ => None,
+                }
+            }
         }
-    }
+    )*};
 }
+written_field!(
+    WrittenEnvelope => Envelope,
+    WrittenMesh => LeafMesh,
+    WrittenImage => LeafImage
+);
 
 impl Field for Vec<String> {
     fn to_value(&self) -> Option<Value> {
