@@ -10,7 +10,7 @@ use sapwood::rules::weber_penn::{
     Crown, Level, Limit, PruneRatioSlot, Segment, Species, Stem, StemSeed, Stems, Target,
     TrunkForm, children, fit, grow, trunks,
 };
-use sapwood::scene::EnvelopeSlot;
+use sapwood::scene::{Budget, EnvelopeSlot};
 
 use super::trees::*;
 
@@ -26,8 +26,8 @@ struct Pruned {
     n_given_up: usize,
 }
 
-/// Grows all levels, under a limit if there is one.
-fn pruned(species: &Species, seed: u64, limit: Option<&Limit>) -> Pruned {
+/// Grows all levels, under limits.
+fn pruned(species: &Species, seed: u64, limits: &[Limit]) -> Pruned {
     let (crown, levels) = (Crown::new(species), Level::all(species));
     let form = TrunkForm::new(species);
     let Ok(mut seeds) = trunks(&crown, &levels[0], StreamPath::new(seed), &mut free);
@@ -39,8 +39,8 @@ fn pruned(species: &Species, seed: u64, limit: Option<&Limit>) -> Pruned {
     };
     for n in 0..species.levels as usize {
         let level = &levels[n.min(3)];
-        if let Some(limit) = limit {
-            let Ok(shares) = fit(&seeds, &crown, level, &Target::Up, limit, &mut free);
+        if !limits.is_empty() {
+            let Ok(shares) = fit(&seeds, &crown, level, &Target::Up, limits, &mut free);
             let both = seeds.iter().zip(shares);
             let fitted = both.filter_map(|(seed, share)| {
                 let shorter = seed.shortened(share, &crown);
@@ -194,10 +194,10 @@ fn no_segment_leaves_an_envelope_and_what_is_not_cut_stays_the_same() {
         let mut n_shortened = 0;
         for seed in 0..16 {
             let size = 0.8 * species.scale;
-            let whole = pruned(&species, seed, None).untouched();
+            let whole = pruned(&species, seed, &[]).untouched();
             for (shape, envelope) in envelopes(size) {
                 let limit = Limit::new(envelope.clone(), 1.0);
-                let tree = pruned(&species, seed, Some(&limit));
+                let tree = pruned(&species, seed, &[limit]);
                 let what = format!("{name} {seed} in a {shape}");
                 assert_inside(&tree, &envelope, &what);
                 for (path, stem) in tree.untouched() {
@@ -211,13 +211,69 @@ fn no_segment_leaves_an_envelope_and_what_is_not_cut_stays_the_same() {
 }
 
 #[test]
+fn what_one_envelope_shortens_does_not_leave_another() {
+    // A stem may reach through the notch of the first one, and a wall then end it in the notch.
+    let mut aspen = built_in("quaking_aspen");
+    aspen.pruning.ratio = 0.0;
+    let size = 0.8 * aspen.scale;
+    let notch = Sphere { center: Vec3::new(0.16, 0.0, 0.55) * size, radius: 0.1 * size };
+    let notched = Envelope::sphere(notch).complement();
+    let wall = Envelope::half_space(Vec3::X, 0.17 * size);
+    let limits = [&notched, &wall].map(|envelope| Limit::new(envelope.clone(), 1.0));
+    let one_by_one = |seed| {
+        let first = pruned(&aspen, seed, &limits[..1]);
+        let seeds: Vec<StemSeed> = first.levels[1]
+            .stems
+            .iter()
+            .filter(|stem| stem.clone_of.is_none())
+            .map(|stem| stem.seed)
+            .collect();
+        let (crown, levels) = (Crown::new(&aspen), Level::all(&aspen));
+        let Ok(shares) = fit(&seeds, &crown, &levels[1], &Target::Up, &limits[1..], &mut free);
+        let both = seeds.iter().zip(shares);
+        let seeds: Vec<_> =
+            both.filter_map(|(seed, share)| seed.shortened(share, &crown)).collect();
+        let Ok(stems) = grow(&seeds, &crown, &levels[1], &Target::Up, &mut free);
+        stems
+    };
+    let is_inside = |segment: &Segment| {
+        [&notched, &wall].iter().all(|envelope| envelope.contains(segment.end()))
+    };
+    let mut n_outside = 0;
+    for seed in 0..16 {
+        n_outside += one_by_one(seed).segments.iter().filter(|segment| !is_inside(segment)).count();
+        let tree = pruned(&aspen, seed, &limits);
+        assert!(tree.n_shortened > 0);
+        for segment in tree.levels[1..].iter().flat_map(|stems| &stems.segments) {
+            assert!(is_inside(segment), "{seed}: {segment:?}");
+        }
+    }
+    assert!(n_outside > 0, "one after the other they would have done as well");
+}
+
+#[test]
+fn a_limit_that_gives_comes_before_one_that_does_not() {
+    let aspen = built_in("quaking_aspen");
+    let size = 0.8 * aspen.scale;
+    let [(_, small), .., (_, _)] = envelopes(size);
+    let wall = Envelope::half_space(Vec3::X, 0.1 * size);
+    let (soft, firm) = (Limit::new(small, 0.5), Limit::new(wall.clone(), 1.0));
+    let both = pruned(&aspen, 3, &[firm.clone(), soft.clone()]);
+    assert_eq!(both.levels, pruned(&aspen, 3, &[soft, firm.clone()]).levels);
+    assert_ne!(both.levels, pruned(&aspen, 3, &[firm]).levels);
+    for segment in both.levels[1..].iter().flat_map(|stems| &stems.segments) {
+        assert!(wall.contains(segment.end()), "{segment:?}");
+    }
+}
+
+#[test]
 fn stems_that_fit_stay_however_short_they_are() {
     let mut aspen = built_in("quaking_aspen");
     aspen.level[2].length = 0.002;
     let everything = Envelope::sphere(Sphere { center: Vec3::ZERO, radius: 1e3 });
     for ratio in [0.5, 1.0] {
         let limit = Limit::new(everything.clone(), ratio);
-        let (whole, held) = (pruned(&aspen, 5, None), pruned(&aspen, 5, Some(&limit)));
+        let (whole, held) = (pruned(&aspen, 5, &[]), pruned(&aspen, 5, &[limit]));
         let is_short = |stem: &Stem| stem.seed.length < 0.001 * stem.seed.scale_tree;
         assert!(whole.levels[2].stems.iter().any(is_short));
         assert!(whole.levels == held.levels);
@@ -231,10 +287,10 @@ fn the_papers_envelope_holds_the_crown() {
         species.pruning.ratio = 1.0;
         let crown = Crown::new(&species);
         for seed in 0..4 {
-            let size = pruned(&species, seed, None).levels[0].stems[0].seed.scale_tree;
+            let size = pruned(&species, seed, &[]).levels[0].stems[0].seed.scale_tree;
             let limit = Limit::of_species(&crown, size).unwrap();
-            let tree = pruned(&species, seed, Some(&limit));
-            let whole = pruned(&species, seed, None);
+            let tree = pruned(&species, seed, &[limit]);
+            let whole = pruned(&species, seed, &[]);
             assert_eq!(tree.levels[0], whole.levels[0], "{name}: trunks are not held");
             for segment in tree.levels[1..].iter().flat_map(|stems| &stems.segments) {
                 let end = segment.end();
@@ -267,7 +323,7 @@ fn a_ratio_between_takes_back_its_share_of_what_does_not_fit() {
     let [(_, envelope), ..] = envelopes(aspen.scale);
     let shares = |ratio| {
         let limit = Limit::new(envelope.clone(), ratio);
-        let Ok(shares) = fit(&limbs, &crown, &levels[1], &Target::Up, &limit, &mut free);
+        let Ok(shares) = fit(&limbs, &crown, &levels[1], &Target::Up, &[limit], &mut free);
         shares
     };
     let (full, half, none) = (shares(1.0), shares(0.5), shares(0.0));
@@ -290,12 +346,12 @@ fn stems_that_turn_to_a_point_are_held_too() {
     let mut aspen = built_in("quaking_aspen");
     aspen.attraction_up = 1.0;
     let (crown, levels) = (Crown::new(&aspen), Level::all(&aspen));
-    let tree = pruned(&aspen, 2, None);
+    let tree = pruned(&aspen, 2, &[]);
     let seeds: Vec<StemSeed> = tree.levels[2].stems.iter().map(|stem| stem.seed).collect();
     let target = Target::Point(Vec3::new(3.0, 0.0, 2.0));
     for (shape, envelope) in envelopes(aspen.scale) {
         let limit = Limit::new(envelope.clone(), 1.0);
-        let Ok(shares) = fit(&seeds, &crown, &levels[2], &target, &limit, &mut free);
+        let Ok(shares) = fit(&seeds, &crown, &levels[2], &target, &[limit], &mut free);
         let fitted: Vec<StemSeed> = seeds
             .iter()
             .zip(&shares)
@@ -369,6 +425,20 @@ fn lengths(aspen: &mut Grown) -> FixedMap<StreamPath, f32> {
     let mut lengths = FixedMap::with_hasher(fixed_state());
     lengths.extend(own.map(|stem| (stem.seed.path, stem.seed.length)));
     lengths
+}
+
+#[test]
+fn trials_keep_to_the_budget_of_the_view() {
+    let mut aspen = under(crown_sphere(2.0, 0.0));
+    let few = Budget { parts: 60, ..Budget::default() };
+    aspen.scene.set_budget(aspen.view, few).unwrap();
+    let error = aspen.scene.bounds(aspen.view).unwrap_err();
+    assert!(error.to_string().contains("60 parts"), "{error}");
+    // Nothing of that is remembered.
+    aspen.scene.set_budget(aspen.view, Budget::default()).unwrap();
+    let mut anew = under(crown_sphere(2.0, 0.0));
+    assert_eq!(digest(&aspen.draw_list()), digest(&anew.draw_list()));
+    assert_eq!(aspen.scene.diagnostics(aspen.view, 10).unwrap(), []);
 }
 
 #[test]

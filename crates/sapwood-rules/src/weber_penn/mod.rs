@@ -39,7 +39,7 @@ pub use growth::{
 };
 pub use leaf_params::LeafParams;
 pub use look::{BarkLook, LeafLook};
-pub use params::{Crown, Level, Pruning, RootParams, TrunkForm};
+pub use params::{Crown, Level, PruningParams, RootParams, TrunkForm};
 pub use prune::prune_handlers;
 pub use rules::{fading, full, map, segments, skeleton, swaying, text};
 pub use slots::{

@@ -43,7 +43,7 @@ pub struct Crown {
     /// tree-gen's tropism vector, present in its dialect only; replaces AttractionUp.
     pub tropism: Option<[f32; 3]>,
     /// The species' own envelope; also shape 8.
-    pub pruning: Pruning,
+    pub pruning: PruningParams,
 }
 
 content!(Crown {
@@ -84,14 +84,14 @@ impl Crown {
             attraction_up: species.attraction_up,
             target: species.attraction_target,
             tropism: ext.and_then(|ext| ext.tropism),
-            pruning: Pruning::new(&species.pruning),
+            pruning: PruningParams::new(&species.pruning),
         }
     }
 }
 
 /// How a species is pruned by itself; lengths are fractions of the tree's size.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Pruning {
+pub struct PruningParams {
     /// PruneRatio: 0 off, 1 fully inside.
     pub ratio: f32,
     /// PruneWidth: its greatest radius.
@@ -106,9 +106,9 @@ pub struct Pruning {
     pub envelope: Option<Envelope>,
 }
 
-content!(Pruning { ratio, width, width_peak, power_low, power_high, envelope });
+content!(PruningParams { ratio, width, width_peak, power_low, power_high, envelope });
 
-impl Pruning {
+impl PruningParams {
     fn new(spec: &PruningSpec) -> Self {
         let &PruningSpec { ratio, width, width_peak, power_low, power_high, .. } = spec;
         let envelope = spec.envelope.as_ref().map(|written| {

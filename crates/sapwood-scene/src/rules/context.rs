@@ -378,6 +378,12 @@ impl<'a> Context<'a> {
         outcome
     }
 
+    /// How many parts the budget allows in all plans together: as many rows may be made only to be
+    /// looked at and thrown away. A rule that needs more reserves them, and passes the error on.
+    pub fn most_parts(&self) -> u64 {
+        self.limits.budget.parts
+    }
+
     /// To be called before memory for parts is taken; includes a checkpoint.
     ///
     /// # Errors

@@ -11,7 +11,7 @@ use sapwood_geom::{Aabb, Envelope, Profile, Side, Sphere};
 use super::children::{THINNEST, held_radius};
 use super::grow::grow;
 use super::stem::{StemSeed, Stems};
-use crate::weber_penn::{Crown, Level, Pruning, Target};
+use crate::weber_penn::{Crown, Level, PruningParams, Target};
 
 /// Halvings of the interval in which the greatest length that fits is sought: it is found to
 /// 1/4096 of the whole.
@@ -53,7 +53,7 @@ impl Limit {
     /// solid of revolution for a tree of this size in metres. That one shapes crowns and does not
     /// hold trunks.
     pub fn of_species(crown: &Crown, scale_tree: f32) -> Option<Self> {
-        let Pruning { ratio, width, width_peak, power_low, power_high, ref envelope } =
+        let PruningParams { ratio, width, width_peak, power_low, power_high, ref envelope } =
             crown.pruning;
         if ratio <= 0.0 {
             return None;
@@ -90,44 +90,36 @@ impl Limit {
     }
 }
 
-/// How long each of the stems that grow from `seeds` may be under a limit, as a share of its
+/// How long each of the stems that grow from `seeds` may be under limits, as a share of its
 /// length: 1 leaves it as it is, 0 gives it up.
 ///
-/// The shares are blended by the limit's ratio. Nothing is grown for stems that lie wholly to one
-/// side of the envelope. `level`, `target` and `charge` are those of [`grow`], which is asked
-/// twice for the others, and more often where stems turn toward a point.
+/// Limits with a ratio below 1 come first, one after the other, and blend the shares by it; then
+/// all that hold fully at once, so that what one of them shortens does not leave another. Nothing is
+/// grown for stems that lie wholly to one side of each envelope. `level`, `target` and `charge` are
+/// those of [`grow`], which is asked twice for the others, and more often where stems turn toward a
+/// point.
 pub fn fit<E>(
     seeds: &[StemSeed],
     crown: &Crown,
     level: &Level,
     target: &Target,
-    limit: &Limit,
+    limits: &[Limit],
     charge: &mut impl FnMut(usize) -> Result<(), E>,
 ) -> Result<Vec<f32>, E> {
     let mut shares = vec![1.0; seeds.len()];
-    let mut doubtful = Vec::new();
-    for (i, seed) in seeds.iter().enumerate() {
-        if seed.level == 0 && !limit.holds_trunks {
-            continue;
+    let soft = limits.iter().filter(|limit| limit.ratio < 1.0);
+    let firm: Vec<&Limit> = limits.iter().filter(|limit| limit.ratio >= 1.0).collect();
+    let steps = soft.map(|limit| vec![limit]).chain((!firm.is_empty()).then_some(firm));
+    for limits in steps {
+        // What earlier limits left; a stem's radius is nothing to its shape.
+        let left: Vec<StemSeed> =
+            seeds.iter().zip(&shares).map(|(seed, share)| scaled(seed, *share)).collect();
+        let ratio = limits.first().map_or(1.0, |limit| limit.ratio.clamp(0.0, 1.0));
+        let trial = Trial { crown, level, target, limits: &limits };
+        let fitting = trial.shares(&left, charge)?;
+        for (share, fitting) in shares.iter_mut().zip(fitting) {
+            *share *= 1.0 - (1.0 - fitting) * ratio;
         }
-        // Segments end within the stem's length of its base.
-        let reach = Sphere { center: seed.frame.origin, radius: 1.001 * seed.length };
-        match limit.side_of(reach) {
-            Side::Inside => {}
-            Side::Outside if seed.level == 0 => {}
-            Side::Outside => shares[i] = 0.0,
-            Side::Crossing => doubtful.push(i),
-        }
-    }
-    if !doubtful.is_empty() {
-        let trial = Trial { crown, level, target, limit };
-        trial.fit(seeds, &doubtful, &mut shares, charge)?;
-    }
-    for (seed, share) in seeds.iter().zip(&mut shares) {
-        if *share < 1.0 && *share * seed.length < SHORTEST_FITTING * seed.scale_tree {
-            *share = 0.0;
-        }
-        *share = 1.0 - (1.0 - *share) * limit.ratio.clamp(0.0, 1.0);
     }
     Ok(shares)
 }
@@ -159,10 +151,59 @@ struct Trial<'a> {
     crown: &'a Crown,
     level: &'a Level,
     target: &'a Target,
-    limit: &'a Limit,
+    /// All of these at once.
+    limits: &'a [&'a Limit],
 }
 
 impl Trial<'_> {
+    /// The greatest shares that fit.
+    fn shares<E>(
+        &self,
+        seeds: &[StemSeed],
+        charge: &mut impl FnMut(usize) -> Result<(), E>,
+    ) -> Result<Vec<f32>, E> {
+        let mut shares = vec![1.0; seeds.len()];
+        let mut doubtful = Vec::new();
+        for (i, seed) in seeds.iter().enumerate() {
+            match self.side_of(seed) {
+                Side::Inside => {}
+                Side::Outside => shares[i] = 0.0,
+                Side::Crossing => doubtful.push(i),
+            }
+        }
+        if !doubtful.is_empty() {
+            self.fit(seeds, &doubtful, &mut shares, charge)?;
+        }
+        for (seed, share) in seeds.iter().zip(&mut shares) {
+            if *share < 1.0 && *share * seed.length < SHORTEST_FITTING * seed.scale_tree {
+                *share = 0.0;
+            }
+        }
+        Ok(shares)
+    }
+
+    /// The limits that hold stems of a level.
+    fn holding(&self, level: u8) -> impl Iterator<Item = &Limit> {
+        self.limits.iter().copied().filter(move |limit| level > 0 || limit.holds_trunks)
+    }
+
+    /// On which side of the limits a stem lies; what stands outside from its foot as a trunk does is
+    /// as good as inside.
+    fn side_of(&self, seed: &StemSeed) -> Side {
+        // Segments end within the stem's length of its base.
+        let reach = Sphere { center: seed.frame.origin, radius: 1.001 * seed.length };
+        let mut side = Side::Inside;
+        for limit in self.holding(seed.level) {
+            match limit.side_of(reach) {
+                Side::Inside => {}
+                Side::Outside if seed.level == 0 => {}
+                Side::Outside => return Side::Outside,
+                Side::Crossing => side = Side::Crossing,
+            }
+        }
+        side
+    }
+
     /// Finds the shares of the doubtful ones among the seeds.
     fn fit<E>(
         &self,
@@ -237,32 +278,45 @@ impl Trial<'_> {
     /// Whether a stem and its clones fit, were they scaled by `share` about `base`: all segments
     /// end inside; those of trunks do once one did.
     fn fits(&self, stems: &Stems, range: Range<usize>, base: Vec3, share: f32) -> bool {
-        let is_inside = |end: Vec3| self.limit.contains(base + share * (end - base));
-        let is_trunk = stems.stems.get(range.start).is_some_and(|stem| stem.seed.level == 0);
-        if !is_trunk {
-            return range.into_iter().all(|stem| {
-                stems.segments_of(stem).iter().all(|segment| is_inside(segment.end()))
-            });
-        }
-        let first = stems.stems[range.start].first_segment as usize;
-        let mut inside: Vec<bool> = Vec::new();
-        for stem in &stems.stems[range] {
-            let before = stem.clone_of.map(|origin| {
-                let origin = &stems.stems[origin as usize];
-                (origin.first_segment + stem.start - 1 - origin.start) as usize - first
-            });
-            let mut was_inside = before.map_or_else(|| is_inside(base), |before| inside[before]);
-            for segment in &stems.segments[stem.segment_range()] {
-                let is = is_inside(segment.end());
-                if was_inside && !is {
-                    return false;
-                }
-                was_inside = is;
-                inside.push(is);
+        let level = stems.stems.get(range.start).map_or(0, |stem| stem.seed.level);
+        self.holding(level).all(|limit| {
+            let is_inside = |end: Vec3| limit.contains(base + share * (end - base));
+            if level > 0 {
+                return range.clone().all(|stem| {
+                    stems.segments_of(stem).iter().all(|segment| is_inside(segment.end()))
+                });
             }
-        }
-        true
+            trunk_fits(stems, range.clone(), base, &is_inside)
+        })
     }
+}
+
+/// Whether a trunk and its clones leave nothing that they were inside of.
+fn trunk_fits(
+    stems: &Stems,
+    range: Range<usize>,
+    base: Vec3,
+    is_inside: &dyn Fn(Vec3) -> bool,
+) -> bool {
+    let Some(first) = stems.stems.get(range.start) else { return true };
+    let first = first.first_segment as usize;
+    let mut inside: Vec<bool> = Vec::new();
+    for stem in &stems.stems[range] {
+        let before = stem.clone_of.map(|origin| {
+            let origin = &stems.stems[origin as usize];
+            (origin.first_segment + stem.start - 1 - origin.start) as usize - first
+        });
+        let mut was_inside = before.map_or_else(|| is_inside(base), |before| inside[before]);
+        for segment in &stems.segments[stem.segment_range()] {
+            let is = is_inside(segment.end());
+            if was_inside && !is {
+                return false;
+            }
+            was_inside = is;
+            inside.push(is);
+        }
+    }
+    true
 }
 
 /// The same seed with a share of its length, its radius left aside.

@@ -3,14 +3,19 @@
 
 use std::f32::consts::{FRAC_PI_2, PI};
 
-use crate::weber_penn::Pruning;
+use crate::weber_penn::PruningParams;
 use crate::weber_penn::{CrownShape, Dialect};
 
 /// ShapeRatio(shape, r) for r in 0..1: 0 at the top of the crown and 1 at its bottom for
 /// branches, the other way round for leaves.
 ///
 /// In Arbaro's dialect shape 0 is plain r instead of 0.2 + 0.8 r.
-pub(crate) fn shape_ratio(shape: CrownShape, r: f32, pruning: &Pruning, dialect: Dialect) -> f32 {
+pub(crate) fn shape_ratio(
+    shape: CrownShape,
+    r: f32,
+    pruning: &PruningParams,
+    dialect: Dialect,
+) -> f32 {
     match shape {
         CrownShape::Conical => conical(r, dialect),
         CrownShape::Spherical => 0.2 + 0.8 * libm::sinf(PI * r),
@@ -41,7 +46,7 @@ fn flame(r: f32) -> f32 {
 ///
 /// The paper prints 1 - PruneWidthPeak in the denominator below the peak; its diagram, with 1 at
 /// the peak and 0 at the bottom, needs PruneWidthPeak.
-pub(crate) fn envelope_ratio(q: f32, pruning: &Pruning) -> f32 {
+pub(crate) fn envelope_ratio(q: f32, pruning: &PruningParams) -> f32 {
     let peak = 1.0 - pruning.width_peak;
     if !(0.0..=1.0).contains(&q) {
         0.0
@@ -59,7 +64,7 @@ mod tests {
     use super::*;
     use CrownShape as C;
 
-    const ENVELOPE: Pruning = Pruning {
+    const ENVELOPE: PruningParams = PruningParams {
         ratio: 0.0,
         width: 0.5,
         width_peak: 0.6,
@@ -110,7 +115,7 @@ mod tests {
         assert_eq!(at(0.4), 1.0);
         assert!((at(0.85) - 0.5).abs() < 1e-6);
         for width_peak in [0.0, 1.0] {
-            let pruning = Pruning { width_peak, ..ENVELOPE };
+            let pruning = PruningParams { width_peak, ..ENVELOPE };
             for q in [0.0, 0.5, 1.0] {
                 assert!((0.0..=1.0).contains(&envelope_ratio(q, &pruning)));
             }

@@ -15,10 +15,7 @@ use super::super::slots::{CrownSlot, IsPrunedSlot, LevelSlot, PruneRatioSlot, St
 use super::super::{Crown, Level, StemSeed, Target};
 use super::structure::upright;
 
-/// The most stems, segments and clones that are grown to be looked at and thrown away.
-const MOST_TRIED: usize = 1 << 22;
-
-/// A trial would have grown more than [`MOST_TRIED`] rows.
+/// A trial would have grown more rows than the view's budget allows parts.
 struct TooMany;
 
 /// The envelope as trees see it, if there is one that acts.
@@ -65,10 +62,13 @@ impl Projection for IsPruned {
 /// How long stems may be under the envelope; in tree space.
 struct Shares {
     seeds: Shared<Vec<StemSeed>>,
+    /// How many stems, segments and clones may be grown to be looked at and thrown away.
+    most: u64,
 }
 
 impl Content for Shares {
     fn write(&self, digester: &mut Digester) {
+        // Not how many may be tried: where that is too few, nothing that was read is remembered.
         digester.add(&self.seeds);
     }
 }
@@ -81,8 +81,13 @@ impl Projection for Shares {
     fn compute(&self, slots: &mut SlotReader<'_>) -> Option<Vec<f32>> {
         let whole = Some(Vec::new());
         let Some(first) = self.seeds.first() else { return whole };
-        let Some(limit) = limit(slots, Affine3::IDENTITY) else { return whole };
         let crown = slots.read::<CrownSlot>();
+        // Both at once: a stem that the second shortens must not leave the first.
+        let own = Limit::of_species(&crown, first.scale_tree);
+        let limits: Vec<Limit> = own.into_iter().chain(limit(slots, Affine3::IDENTITY)).collect();
+        if limits.is_empty() {
+            return whole;
+        }
         let level = match first.level {
             0 => slots.read::<LevelSlot<0>>(),
             1 => slots.read::<LevelSlot<1>>(),
@@ -91,16 +96,17 @@ impl Projection for Shares {
         };
         let up = || Arc::new(Target::Up);
         let target = if is_attracted(first.level) { slots.read::<StemTargetSlot>() } else { up() };
-        let shares = fit(&self.seeds, &crown, &level, &target, &limit, &mut trying()).ok()?;
+        let shares =
+            fit(&self.seeds, &crown, &level, &target, &limits, &mut trying(self.most)).ok()?;
         Some(if shares.iter().all(|share| *share == 1.0) { Vec::new() } else { shares })
     }
 }
 
 /// Counts what is grown only to be thrown away.
-fn trying() -> impl FnMut(usize) -> Result<(), TooMany> {
-    let mut left = MOST_TRIED;
+fn trying(most: u64) -> impl FnMut(usize) -> Result<(), TooMany> {
+    let mut left = most;
     move |rows| {
-        left = left.checked_sub(rows).ok_or(TooMany)?;
+        left = left.checked_sub(rows as u64).ok_or(TooMany)?;
         Ok(())
     }
 }
@@ -114,20 +120,25 @@ pub(super) fn fitted(
     level: &Level,
     target: &Target,
 ) -> Result<Option<Vec<StemSeed>>, RuleError> {
-    let mut fitted = None;
-    if let Some(limit) = seeds.first().and_then(|seed| Limit::of_species(crown, seed.scale_tree)) {
+    let Some(first) = seeds.first() else { return Ok(None) };
+    let most = cx.most_parts();
+    let shares = if *cx.read::<IsPrunedSlot>() {
         cx.checkpoint()?;
-        let shares = fit(seeds, crown, level, target, &limit, &mut trying());
-        fitted = shortened(seeds, &shares.map_err(|_| too_many())?, crown);
-    }
-    if *cx.read::<IsPrunedSlot>() {
+        cx.project(Shares { seeds: Shared::new(seeds.to_vec()), most })
+    } else if let Some(limit) = Limit::of_species(crown, first.scale_tree) {
         cx.checkpoint()?;
-        let seeds = fitted.as_deref().unwrap_or(seeds);
-        let shares = cx.project(Shares { seeds: Shared::new(seeds.to_vec()) });
-        let shorter = shortened(seeds, &shares.ok_or_else(too_many)?, crown);
-        fitted = shorter.or(fitted);
+        fit(seeds, crown, level, target, &[limit], &mut trying(most)).ok()
+    } else {
+        return Ok(None);
+    };
+    match shares {
+        Some(shares) => Ok(shortened(seeds, &shares, crown)),
+        None => {
+            // As if all that had been kept.
+            cx.reserve_parts(most.saturating_add(1))?;
+            Ok(None)
+        }
     }
-    Ok(fitted)
 }
 
 fn shortened(seeds: &[StemSeed], shares: &[f32], crown: &Crown) -> Option<Vec<StemSeed>> {
@@ -136,10 +147,4 @@ fn shortened(seeds: &[StemSeed], shares: &[f32], crown: &Crown) -> Option<Vec<St
     }
     let both = seeds.iter().zip(shares);
     Some(both.filter_map(|(seed, share)| seed.shortened(*share, crown)).collect())
-}
-
-fn too_many() -> RuleError {
-    RuleError::Failed(format!(
-        "to be tried under an envelope, stems would grow more than {MOST_TRIED} segments and clones"
-    ))
 }

@@ -48,7 +48,7 @@ fn charged<E>(
         let (level, target) = (&levels[n.min(3)], &species.attraction_target);
         let limit = seeds.first().and_then(|seed| Limit::of_species(&crown, seed.scale_tree));
         if let Some(limit) = limit {
-            let shares = fit(&seeds, &crown, level, target, &limit, charge)?;
+            let shares = fit(&seeds, &crown, level, target, &[limit], charge)?;
             let both = seeds.iter().zip(shares);
             seeds = both.filter_map(|(seed, share)| seed.shortened(share, &crown)).collect();
         }
