@@ -1,12 +1,17 @@
 //! Pruning: what lies inside keeps its sharing, what lies outside goes uncompiled, what crosses is
 //! cut; handlers decide about parts.
 
+use std::cell::Cell;
+
 use sapwood::geom::glam::{Affine3, Vec2, Vec3};
 use sapwood::geom::{Aabb, Envelope, Mesh, Shared, SharedMesh, Sphere, content};
-use sapwood::graph::{DrawList, Fate, Kind, Named, Part, Prune, PruneHandlers, Shown};
+use sapwood::graph::{
+    DrawList, Fate, Interrupted, Kind, Named, Part, Prune, PruneHandlers, PruneLimits, Shown,
+    prune_compiled,
+};
 use sapwood::scene::{
-    Action, Component, Context, Group, HeldGeometry, HeldInstances, Rule, RuleError, RuleSet,
-    Scene, Transform, ViewId,
+    Action, Budget, Component, Context, Group, HeldGeometry, HeldInstances, Rule, RuleError,
+    RuleSet, Scene, Transform, ViewId,
 };
 
 /// A cube of edge length 1 about the origin, each face with corners of its own.
@@ -95,6 +100,44 @@ fn too_many_rows_are_refused_with_their_kind() {
     let prune = Prune::to(Envelope::half_space(Vec3::Z, 0.0));
     let refused = scene.prune(view, &prune, &PruneHandlers::new(), 2).unwrap_err();
     assert!(refused.to_string().contains("held_geometry"), "{refused}");
+}
+
+#[test]
+fn cutting_keeps_to_the_budget_and_can_be_stopped() {
+    // Cubes in one mesh, turned against each other, that a ball cuts.
+    let mut scene = Scene::new();
+    let root = scene.add(Group);
+    let mut mesh = Mesh::default();
+    for i in 0..200 {
+        mesh.append(&cube(), &Affine3::from_rotation_y(0.01 * i as f32));
+    }
+    let mesh = SharedMesh::new(mesh);
+    scene.add_to(root, HeldGeometry { mesh, material: None }).unwrap();
+    let view = scene.open_view(root, &sapwood::standard_rules()).unwrap();
+    let ball = Sphere { center: Vec3::X, radius: 1.0 };
+    let prune = Prune::to(Envelope::sphere(ball));
+    let handlers = PruneHandlers::new();
+    let cut = scene.prune(view, &prune, &handlers, 10).unwrap();
+    let needed = cut.n_vertices_and_triangles().1;
+    assert!(needed > 10_000);
+    // Held geometry counts too, but was compiled before.
+    let few = Budget { triangles: needed / 2, ..Budget::default() };
+    scene.set_budget(view, few).unwrap();
+    let refused = scene.prune(view, &prune, &handlers, 10).unwrap_err().to_string();
+    let told = format!("more than {} triangles", needed / 2);
+    assert!(refused.contains(&told) && refused.contains("held_geometry"), "{refused}");
+
+    let supply = scene.supply(view).unwrap();
+    for n_answers in [0, 1, 2] {
+        let n = Cell::new(0);
+        let goes_on = || n.replace(n.get() + 1) < n_answers;
+        let limits = PruneLimits { goes_on: &goes_on, ..PruneLimits::NONE };
+        let stopped = prune_compiled(&supply, &prune, &handlers, &limits);
+        assert_eq!(stopped.unwrap_err(), Interrupted::Cancelled);
+        assert_eq!(n.get(), n_answers + 1, "nobody asks again");
+    }
+    let drawn = prune_compiled(&supply, &prune, &handlers, &PruneLimits::NONE).unwrap().unwrap();
+    assert_eq!(drawn.n_vertices_and_triangles(), cut.n_vertices_and_triangles());
 }
 
 #[test]

@@ -204,9 +204,8 @@ pub(crate) struct GrowArguments {
     /// too. May be given several times; each cuts
     #[arg(long, value_name = "SHAPE", allow_hyphen_values = true)]
     pub(crate) cut: Vec<Shape>,
-    /// Weld the wood before it is written; not with --cut, whose caps belong to no segment and no
-    /// solid: --prune goes with both
-    #[arg(long, value_enum, conflicts_with = "cut")]
+    /// Weld the wood before it is written; stem not with --cut, whose caps belong to no segment
+    #[arg(long, value_enum)]
     pub(crate) weld: Option<Weld>,
     /// Draw what is left of the tree at this distance, in metres, as the paper has trees fade: fewer
     /// leaves and branches, lines for tubes and triangles for leaves. Pictures are taken from there,

@@ -115,7 +115,7 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
         }
         Some(Weld::Union) => {
             let max = of.max_triangles;
-            let join = || weld::union(&mut scene, view, &list, max, watch);
+            let join = || weld::union(&mut scene, view, &list, cut.as_ref(), max, watch);
             let WeldedUnion { list: joined, union, report } = steps.time("weld", join)?;
             list = joined;
             welded = Some((union, report));

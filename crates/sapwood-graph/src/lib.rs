@@ -52,9 +52,10 @@ pub use supply::{
 pub use traversals::{
     AlongRay, Beyond, Body, CameraRow, CountMemo, Counts, DrawList, DrawRow, Fate, Finding,
     Follows, Hit, LabelRow, LightRow, LineRow, Merge, Moved, Occurrence, PickOptions, PickedPart,
-    PickedSides, PiecesReport, Poses, Prune, PruneHandlers, Pruning, Report, Severity, Standing,
-    Struck, TooManyRows, TooManyTriangles, WeldPieces, count, diagnostics, draw_list, dump,
-    fragment_bound, outline, pick, pick_compiled, prune, prune_compiled, prune_interest, verify,
+    PickedSides, PiecesReport, Poses, Prune, PruneHandlers, PruneLimits, Pruning, Remaining,
+    Report, Severity, Standing, Struck, TooManyRows, TooManyTriangles, WeldPieces, count,
+    diagnostics, draw_list, dump, fragment_bound, outline, pick, pick_compiled, prune,
+    prune_compiled, prune_each, prune_interest, verify,
 };
 #[cfg(feature = "union")]
 pub use traversals::{WeldReport, WeldUnion, WeldedUnion};

@@ -8,6 +8,8 @@ use sapwood_geom::Mesh;
 /// A union of solids needs more than the meshes that are drawn: where a branch begins inside its
 /// trunk, those are open.
 pub trait Solids {
-    /// The solids, in the frame of the plan's meshes. They stand for all meshes of the plan.
+    /// The solids, in the frame of the plan's meshes. They stand for all meshes of the plan. Where
+    /// those show parts ([`Shown`](crate::Shown)), there is one for each part, in their order: empty
+    /// where the part is none, so that what is cut away of a part is cut away of its solid.
     fn solids(&self) -> Vec<Mesh>;
 }

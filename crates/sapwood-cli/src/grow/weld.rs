@@ -1,7 +1,10 @@
 //! `--weld`: the wood of what was grown, each stem welded from its segments or all joined to one.
 
 use sapwood::geom::UnionError;
-use sapwood::graph::{DrawList, Everything, Order, WeldPieces, WeldUnion, WeldedUnion};
+use sapwood::graph::{
+    At, DrawList, Everything, Order, Prune, Remaining, Standing, WeldPieces, WeldUnion, WeldedUnion,
+};
+use sapwood::rules::weber_penn::prune_handlers;
 use sapwood::scene::{Scene, ViewId};
 
 use crate::arguments::{Detail, GrowArguments, Weld};
@@ -19,6 +22,13 @@ pub(super) fn check(arguments: &GrowArguments) -> Result<(), Failure> {
              (accepted: with --weld union, or another ending)",
             output.path().display()
         )));
+    }
+    if arguments.weld == Some(Weld::Stem) && !arguments.cut.is_empty() {
+        return Err(Failure::usage(
+            "--weld stem: a cut stem is closed by a cap, which is none of its segments (accepted: \
+             --cut alone, which cuts the same surface; with --weld union; --prune instead)"
+                .to_owned(),
+        ));
     }
     match (arguments.weld, arguments.tree.detail) {
         (None, _) | (_, Detail::Full | Detail::Draft) | (Some(Weld::Stem), Detail::Segments) => {
@@ -45,16 +55,26 @@ pub(super) fn stems(scene: &mut Scene, view: ViewId, list: &DrawList) -> Result<
     Ok(weld.welded(list).0)
 }
 
-/// The list with one closed surface in the place of all stems.
+/// The list with one closed surface in the place of all stems; of what a cut leaves, if there is one:
+/// the list must be cut then.
 pub(super) fn union(
     scene: &mut Scene,
     view: ViewId,
     list: &DrawList,
+    cut: Option<&Prune>,
     max_triangles: u64,
     watch: &Watch,
 ) -> Result<WeldedUnion, Failure> {
     let mut weld = WeldUnion::new();
-    scene.traverse(view, Order::Pre, &Everything, &mut |at| weld.meet(at))?;
+    match cut {
+        None => scene.traverse(view, Order::Pre, &Everything, &mut |at| weld.meet(at))?,
+        Some(cut) => {
+            let visit = &mut |remaining: &Remaining<'_>, at: &At<'_, Standing>| {
+                weld.meet_remaining(remaining, at);
+            };
+            scene.traverse_pruned(view, cut, &prune_handlers(), visit)?;
+        }
+    }
     let n_solids = weld.n_solids();
     if n_solids == 0 {
         return Err(Failure::input("--weld union: nothing that was grown is solid".to_owned()));

@@ -7,7 +7,7 @@ use sapwood::geom::glam::Vec3;
 use sapwood::geom::{Mesh, Solid};
 
 use crate::pictures::{SMALL, image};
-use crate::program::{fails, files, json, says};
+use crate::program::{command, fails, files, json, says};
 
 /// Triangles given by three positions each.
 fn solid(positions: Vec<Vec3>) -> Solid {
@@ -103,4 +103,38 @@ fn a_solid_needs_a_weld_and_is_told_to_have_no_leaves() {
     let table = says(at, "grow palm --levels 1 --weld union -o t.stl");
     assert!(table.contains("t.stl: without leaves, in metres, z up"), "{table}");
     assert_eq!(files(at), ["t.stl"]);
+}
+
+#[test]
+fn any_number_of_threads_welds_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    for (name, n_threads) in [("one", "1"), ("four", "4")] {
+        let line = format!("{SMALL} --weld union -o {name}.stl -o {name}.glb");
+        let output = command(at, &line).env("RAYON_NUM_THREADS", n_threads).output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{output:?}");
+    }
+    for ending in ["stl", "glb"] {
+        let [one, four] =
+            ["one", "four"].map(|name| fs::read(at.join(format!("{name}.{ending}"))).unwrap());
+        assert!(one.len() > 10_000 && one == four, "{ending}");
+    }
+}
+
+#[test]
+fn what_a_cut_leaves_is_welded_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let cut = format!("{SMALL} --cut half-space:0,1,0,5 --weld union");
+    let told = json(&says(at, &format!("{cut} -o t.stl -o t.glb --json")));
+    let stl = of_stl(&fs::read(at.join("t.stl")).unwrap());
+    for solid in [&stl, &of_glb(&at.join("t.glb"))] {
+        let report = solid.check();
+        assert!(report.is_sound() && report.components == 1, "{report}");
+        assert_eq!(told["weld"]["triangles"], solid.triangles.len());
+    }
+    let top = stl.positions.iter().map(|position| position.z).fold(0.0, f32::max);
+    assert!((4.5..5.6).contains(&top), "{top}");
+    let said = fails(at, "grow palm --cut half-space:0,1,0,5 --weld stem -o p.glb", 2);
+    assert!(said.contains("--weld stem: a cut stem is closed by a cap"), "{said}");
 }

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use super::mend::mend;
 use super::plan::Stage;
-use super::{Solid, SolidReport, Union, UnionError};
+use super::{Mended, Solid, SolidReport, Union, UnionError};
 
 /// Small bodies that are joined in one go: first those that lie apart, without cutting anything.
 const BATCH: usize = 256;
@@ -80,10 +80,28 @@ pub(super) fn join(
     }
     let (mut solid, mut sources) = rounded(&joined, ids);
     drop(joined);
+    let mut strayed = strayed(&solid, &sources, parts);
     let mut goes_on = || !token.is_cancelled();
-    let mut mended = mend(&mut solid, &mut sources, &mut goes_on).ok_or(UnionError::Interrupted)?;
-    let n_left = mended.left;
-    fill_bubbles(&mut solid, &mut sources);
+    let mut mended = Mended::default();
+    let mut suspects = Some(changed(&solid, &sources, parts));
+    let report = loop {
+        let once = mend(&mut solid, &mut sources, &mut strayed, suspects.as_deref(), &mut goes_on);
+        mended += once.ok_or(UnionError::Interrupted)?;
+        fill_bubbles(&mut solid, &mut sources, &mut strayed);
+        if token.is_cancelled() {
+            return Err(UnionError::Interrupted);
+        }
+        let report = if is_whole {
+            solid.check()
+        } else {
+            SolidReport { crossings: mended.left, ..solid.check_edges() }
+        };
+        // What was there before may touch, which cutting takes for lying apart.
+        if report.is_sound() || suspects.take().is_none() {
+            break report;
+        }
+        mended.left = 0;
+    };
     for part in parts {
         if let Part::Union(_, union) = part {
             mended += union.mended;
@@ -101,19 +119,53 @@ pub(super) fn join(
             }
         };
     }
-    let (solid, sources) = ordered(&solid, &sources);
-    if token.is_cancelled() {
-        return Err(UnionError::Interrupted);
-    }
-    let report = if is_whole {
-        solid.check()
-    } else {
-        SolidReport { crossings: n_left, ..solid.check_edges() }
-    };
+    let (solid, sources, strayed) = ordered(&solid, &sources, &strayed);
+    // Summed up in this order.
+    let report = SolidReport { volume: solid.volume(), ..report };
     if !report.is_sound() && !solid.triangles.is_empty() {
         return Err(UnionError::Unsound { report });
     }
-    Ok(Union { solid, sources, mended, report })
+    Ok(Union { solid, sources, strayed, mended, report })
+}
+
+/// The triangles that are not, corner for corner, those of a part: of these nobody knows whether
+/// they are sound.
+fn changed(solid: &Solid, sources: &[Source], parts: &[Part<'_>]) -> Vec<u32> {
+    let is_changed = |number: &u32| {
+        let number = *number as usize;
+        let (part, Some(triangle)) = sources[number] else { return true };
+        let of = parts[part as usize].solid();
+        if triangle as usize >= of.triangles.len() {
+            return true;
+        }
+        let (mut corners, now) = (of.corners(triangle as usize), solid.corners(number));
+        !(0..3).any(|_| {
+            corners.rotate_left(1);
+            corners == now
+        })
+    };
+    (0..solid.triangles.len() as u32).filter(is_changed).collect()
+}
+
+/// How far the surface has strayed at each corner, in the unions that it was joined from.
+fn strayed(solid: &Solid, sources: &[Source], parts: &[Part<'_>]) -> Vec<f32> {
+    let mut strayed = vec![0.0f32; solid.positions.len()];
+    for (corners, (part, triangle)) in solid.triangles.iter().zip(sources) {
+        let Part::Union(_, union) = parts[*part as usize] else { continue };
+        let of = triangle.and_then(|triangle| union.solid.triangles.get(triangle as usize));
+        let Some(of) = of.map(|of| of.map(|corner| corner as usize)) else { continue };
+        let most = of.iter().map(|corner| union.strayed[*corner]).fold(0.0, f32::max);
+        if most == 0.0 {
+            continue;
+        }
+        for corner in corners.map(|corner| corner as usize) {
+            let is_it = |old: &&usize| union.solid.positions[**old] == solid.positions[corner];
+            // What was cut anew lies between the corners.
+            let own = of.iter().find(is_it).map_or(most, |old| union.strayed[*old]);
+            strayed[corner] = strayed[corner].max(own);
+        }
+    }
+    strayed
 }
 
 /// A solid as the library takes it, rebuilt where it crosses itself.
@@ -191,7 +243,7 @@ fn joined_batch(batch: &[Body], token: &CancelToken, stage: &Stage) -> Body {
 const BUBBLE: f64 = 1e-9;
 
 /// Takes away components that bound small cavities.
-fn fill_bubbles(solid: &mut Solid, sources: &mut Vec<Source>) {
+fn fill_bubbles(solid: &mut Solid, sources: &mut Vec<Source>, strayed: &mut Vec<f32>) {
     let components = solid.components();
     let mut volumes = vec![0.0; solid.positions.len()];
     for (number, component) in components.iter().enumerate() {
@@ -210,15 +262,18 @@ fn fill_bubbles(solid: &mut Solid, sources: &mut Vec<Source>) {
     // Nothing is left of their corners.
     let mut numbers = vec![u32::MAX; solid.positions.len()];
     let mut positions = Vec::with_capacity(solid.positions.len());
+    let mut kept_strayed = Vec::with_capacity(strayed.len());
     for corner in solid.triangles.iter_mut().flatten() {
         let number = &mut numbers[*corner as usize];
         if *number == u32::MAX {
             *number = positions.len() as u32;
             positions.push(solid.positions[*corner as usize]);
+            kept_strayed.push(strayed[*corner as usize]);
         }
         *corner = *number;
     }
     solid.positions = positions;
+    *strayed = kept_strayed;
 }
 
 /// A body in single precision, with the part and the part's triangle that each triangle is of.
@@ -246,7 +301,7 @@ fn rounded(body: &Manifold, ids: u32) -> (Solid, Vec<Source>) {
 
 /// The same with corners in the order of their places and triangles in the order of where they
 /// come from, so that nothing is left of the order in which they were made.
-fn ordered(solid: &Solid, sources: &[Source]) -> (Solid, Vec<Source>) {
+fn ordered(solid: &Solid, sources: &[Source], strayed: &[f32]) -> (Solid, Vec<Source>, Vec<f32>) {
     let mut places: Vec<u32> = (0..solid.positions.len() as u32).collect();
     let key = |corner: &u32| solid.positions[*corner as usize].to_array();
     places.sort_by(|a, b| {
@@ -277,7 +332,8 @@ fn ordered(solid: &Solid, sources: &[Source]) -> (Solid, Vec<Source>) {
         positions: places.iter().map(|old| solid.positions[*old as usize]).collect(),
         triangles: rows.iter().map(|row| row.1).collect(),
     };
-    (ordered, rows.into_iter().map(|row| row.0).collect())
+    let strayed = places.iter().map(|old| strayed[*old as usize]).collect();
+    (ordered, rows.into_iter().map(|row| row.0).collect(), strayed)
 }
 
 #[cfg(test)]
@@ -305,7 +361,12 @@ mod tests {
             assert_eq!(solid.check().components, 2);
             let mut sources: Vec<Source> =
                 (0..solid.triangles.len() as u32).map(|triangle| (0, Some(triangle))).collect();
-            fill_bubbles(&mut solid, &mut sources);
+            let mut strayed: Vec<f32> = (0..solid.positions.len()).map(|i| i as f32).collect();
+            let before = solid.clone();
+            fill_bubbles(&mut solid, &mut sources, &mut strayed);
+            for (position, strayed) in solid.positions.iter().zip(&strayed) {
+                assert_eq!(*position, before.positions[*strayed as usize]);
+            }
             let report = solid.check();
             assert_eq!((report.components, report.non_manifold_vertices), (n_left, 0));
             assert_eq!(sources.len(), solid.triangles.len());

@@ -6,25 +6,36 @@ use super::{Solid, Union};
 use crate::{FixedMap, Mesh, fixed_state};
 
 /// A union as meshes, one for each of `n_materials` materials. Together these are closed: where two of
-/// them meet, both have the very same edges. `meshes` are those whose solids
-/// ([`Solid::of_mesh`]) were joined, in this order, and `materials` the number of each one's
-/// material.
+/// them meet, both have the very same edges. `part` gives the meshes whose solids
+/// ([`Solid::of_mesh`]) were joined, by their numbers, and is asked for few at a time; `materials` has
+/// the number of each one's material.
 ///
 /// Normals and texture coordinates are those of the mesh that a triangle comes from. Meshes must
 /// be [sound](Mesh::unsound).
 ///
 /// # Panics
-/// Where there is not a material for each mesh, or one has too large a number, or the union is of
-/// more meshes.
-pub fn dressed(union: &Union, meshes: &[Mesh], materials: &[u32], n_materials: usize) -> Vec<Mesh> {
-    assert_eq!(meshes.len(), materials.len(), "each mesh has a material");
-    let origins: Vec<Vec<u32>> = meshes.iter().map(|mesh| Solid::with_origins(mesh).1).collect();
+/// Where there is not a material for each part of the union, or one has too large a number.
+pub fn dressed(
+    union: &Union,
+    part: &dyn Fn(u32) -> Mesh,
+    materials: &[u32],
+    n_materials: usize,
+) -> Vec<Mesh> {
     let mut dressed = vec![Dressing::new(); n_materials];
-    for (number, (part, triangle)) in union.sources.iter().enumerate() {
-        let (mesh, part) = (&meshes[*part as usize], *part as usize);
-        let origin = triangle.and_then(|triangle| origins[part].get(triangle as usize));
-        let source = origin.map(|origin| Source::new(mesh, *origin));
-        dressed[materials[part] as usize].add(&union.solid, number, part as u32, source.as_ref());
+    let mut last: Option<(u32, Mesh, Vec<u32>)> = None;
+    // Triangles of one part lie together.
+    for (number, (of, triangle)) in union.sources.iter().enumerate() {
+        let is_other = |last: &mut (u32, Mesh, Vec<u32>)| last.0 != *of;
+        if last.take_if(is_other).is_some() || last.is_none() {
+            let mesh = part(*of);
+            let origins = Solid::with_origins(&mesh).1;
+            last = Some((*of, mesh, origins));
+        }
+        let source = last.as_ref().and_then(|(_, mesh, origins)| {
+            Some(Source::new(mesh, *origins.get((*triangle)? as usize)?))
+        });
+        let dressing = &mut dressed[materials[*of as usize] as usize];
+        dressing.add(&union.solid, number, *of, source.as_ref());
     }
     dressed.into_iter().map(|dressing| dressing.mesh).collect()
 }
@@ -121,7 +132,7 @@ mod tests {
         }
         let solids: Vec<Solid> = meshes.iter().map(Solid::of_mesh).collect();
         let joined = union(&solids, 100_000, &|_| true).unwrap();
-        let dressed = dressed(&joined, &meshes, &[0, 1, 0], 2);
+        let dressed = dressed(&joined, &|part| meshes[part as usize].clone(), &[0, 1, 0], 2);
         let mut all = Mesh::default();
         for mesh in &dressed {
             assert_eq!(mesh.fault(), None);

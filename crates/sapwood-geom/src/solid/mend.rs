@@ -51,15 +51,20 @@ impl AddAssign for Mended {
     }
 }
 
-/// Mends `solid`, whose edges must be manifold; `sources` has a row for each triangle and keeps it.
-/// `goes_on` is asked now and then, and ends the work where it denies.
+/// Mends `solid`, whose edges must be manifold; `sources` has a row for each triangle and keeps it,
+/// `strayed` tells of each corner how far earlier mendings may have moved the surface there, in
+/// metres, and then, how far all of them have: never by more than `MOST_STRAYED`. Only faults of
+/// `suspects` are looked for, where these are given. `goes_on` is asked now and then, and ends the work
+/// where it denies.
 pub(super) fn mend<S: Copy>(
     solid: &mut Solid,
     sources: &mut Vec<S>,
+    strayed: &mut Vec<f32>,
+    suspects: Option<&[u32]>,
     goes_on: &mut dyn FnMut() -> bool,
 ) -> Option<Mended> {
-    let mut table = Table::new(solid);
-    let mut faults = table.faults(None, goes_on)?;
+    let mut table = Table::new(solid, std::mem::take(strayed));
+    let mut faults = table.faults(suspects, goes_on)?;
     let mut mended = Mended { faults: faults.len(), ..Mended::default() };
     for round in 0..MOST_ROUNDS {
         if faults.is_empty() {
@@ -81,17 +86,19 @@ pub(super) fn mend<S: Copy>(
         faults = table.faults(Some(&suspects), goes_on)?;
     }
     mended.left = faults.len();
+    *strayed = (0..table.solid.positions.len() as u32).map(|i| table.strayed(i)).collect();
     if mended.joined + mended.turned + mended.moved > 0 {
-        keep_living(solid, sources);
+        keep_living(solid, sources, strayed);
     }
     Some(mended)
 }
 
 /// Drops the triangles that died, and corners that nobody has.
-fn keep_living<S: Copy>(solid: &mut Solid, sources: &mut Vec<S>) {
+fn keep_living<S: Copy>(solid: &mut Solid, sources: &mut Vec<S>, strayed: &mut Vec<f32>) {
     let mut corners = vec![u32::MAX; solid.positions.len()];
     let mut kept = Solid::default();
     let mut kept_sources = Vec::with_capacity(sources.len());
+    let mut kept_strayed = Vec::with_capacity(strayed.len());
     for (old, triangle) in solid.triangles.iter().enumerate() {
         if is_dead(*triangle) {
             continue;
@@ -102,12 +109,14 @@ fn keep_living<S: Copy>(solid: &mut Solid, sources: &mut Vec<S>) {
             if *number == u32::MAX {
                 *number = kept.positions.len() as u32;
                 kept.positions.push(solid.positions[corner as usize]);
+                kept_strayed.push(strayed[corner as usize]);
             }
             *number
         }));
     }
     *solid = kept;
     *sources = kept_sources;
+    *strayed = kept_strayed;
 }
 
 /// What is tried.
@@ -186,6 +195,7 @@ impl Table<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::table::MOST_STRAYED;
     use super::*;
     use crate::shapes::sphere;
 
@@ -204,13 +214,42 @@ mod tests {
         }
         assert!(solid.check().crossings > 0, "{}", solid.check());
         let mut sources: Vec<usize> = (0..solid.triangles.len()).collect();
-        let mended = mend(&mut solid, &mut sources, &mut || true).unwrap();
+        let mut strayed = vec![0.0; solid.positions.len()];
+        let pushed = solid.clone();
+        let mended = mend(&mut solid, &mut sources, &mut strayed, None, &mut || true).unwrap();
         assert!(mended.faults > 0 && mended.left == 0, "{mended:?}");
         let report = solid.check();
         assert!(report.is_sound() && report.components == 1, "{report}");
         assert!((report.volume / before - 1.0).abs() < 0.01);
         assert_eq!(sources.len(), solid.triangles.len());
-        assert!(mend(&mut solid, &mut sources, &mut || false).is_none());
+        // No corner is farther from one that was there than it is told to have strayed.
+        assert_eq!(strayed.len(), solid.positions.len());
+        for (position, strayed) in solid.positions.iter().zip(&strayed) {
+            let away = pushed.positions.iter().map(|before| before.distance(*position));
+            let away = away.fold(f32::INFINITY, f32::min);
+            assert!(away <= strayed + 1e-6 && *strayed <= MOST_STRAYED, "{away} {strayed}");
+        }
+        assert!(strayed.iter().any(|strayed| *strayed > 0.0));
+        assert!(mend(&mut solid, &mut sources, &mut strayed, None, &mut || false).is_none());
+    }
+
+    #[test]
+    fn what_has_strayed_as_far_as_it_may_moves_no_more() {
+        // A spike whose tip is pushed through the other side of the ball.
+        let mut solid = Solid::of_mesh(&sphere(2));
+        solid.positions[0] *= -1.2;
+        let before = solid.clone();
+        assert!(before.check().crossings > 0);
+        let mut sources = vec![(); solid.triangles.len()];
+        for earlier in [0.0, MOST_STRAYED] {
+            let mut solid = before.clone();
+            let mut strayed = vec![earlier; solid.positions.len()];
+            let mended = mend(&mut solid, &mut sources, &mut strayed, None, &mut || true).unwrap();
+            assert!(mended.left > 0, "{mended:?}");
+            for (position, before) in solid.positions.iter().zip(&before.positions) {
+                assert!(position.distance(*before) <= MOST_STRAYED - earlier + 1e-6);
+            }
+        }
     }
 
     #[test]
@@ -218,7 +257,10 @@ mod tests {
         let solid = Solid::of_mesh(&sphere(3));
         let mut mended = solid.clone();
         let mut sources = vec![(); solid.triangles.len()];
-        assert_eq!(mend(&mut mended, &mut sources, &mut || true), Some(Mended::default()));
+        let mut strayed = vec![0.0; solid.positions.len()];
+        let outcome = mend(&mut mended, &mut sources, &mut strayed, None, &mut || true);
+        assert_eq!(outcome, Some(Mended::default()));
+        assert!(strayed.iter().all(|strayed| *strayed == 0.0));
         assert_eq!(mended, solid);
     }
 }

@@ -129,3 +129,54 @@ impl Stage {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::{Affine3, Vec3};
+    use rayon::ThreadPoolBuilder;
+
+    use super::*;
+    use crate::shapes::sphere;
+    use crate::{Mesh, Purpose, Stream, StreamPath};
+
+    /// Balls in a heap, so many that they are joined in several batches.
+    fn heap(n: usize) -> Vec<Solid> {
+        let mut stream = Stream::new(StreamPath::new(11), Purpose("heap"));
+        let mut ball = || {
+            let center = Vec3::from_array([(); 3].map(|()| stream.between(-1.0, 1.0)));
+            let scale = Affine3::from_scale(Vec3::splat(stream.between(0.05, 0.2)));
+            let mut mesh = Mesh::default();
+            mesh.append(&sphere(2), &(Affine3::from_translation(center) * scale));
+            Solid::of_mesh(&mesh)
+        };
+        (0..n).map(|_| ball()).collect()
+    }
+
+    #[test]
+    fn any_number_of_threads_joins_the_same_to_the_same() {
+        let solids = heap(300);
+        let four = |first: u32| (first..first + 75).map(Member::Solid).collect();
+        let mut groups: Vec<Vec<Member>> = [0, 75, 150, 225].map(four).into();
+        groups.push([0, 1].map(Member::Group).into());
+        groups.push([4, 2, 3].map(Member::Group).into());
+        let steps = [vec![0, 1, 2, 3], vec![4], vec![5]];
+        let joined = |n_threads: usize| {
+            let pool = ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
+            pool.install(|| {
+                let plan = Plan::new(&solids, &groups);
+                let mut done = vec![None; groups.len()];
+                let (token, stage) = (CancelToken::new(), Stage::default());
+                plan.run(&steps, &mut done, &token, &stage).unwrap();
+                done.pop().flatten().unwrap()
+            })
+        };
+        let one = joined(1);
+        assert!(one.report.is_sound() && one.mended.faults > 0, "{} {:?}", one.report, one.mended);
+        for n_threads in [2, 4] {
+            let several = joined(n_threads);
+            assert!(one.solid == several.solid, "corners or triangles differ on {n_threads}");
+            assert!(one.sources == several.sources && one.strayed == several.strayed);
+            assert_eq!((one.mended, one.report), (several.mended, several.report));
+        }
+    }
+}

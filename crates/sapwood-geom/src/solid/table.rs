@@ -10,6 +10,10 @@ use crate::{Aabb, BoxTree};
 /// Metres that the surface may move by where an edge is turned.
 const LARGEST_TURN: f64 = 3e-4;
 
+/// Metres that steps may move the surface by at any corner, all together, those of earlier mendings
+/// included.
+pub(super) const MOST_STRAYED: f32 = 1e-3;
+
 /// How many changed triangles are looked through one by one before the tree is made again.
 const MOST_CHANGED: usize = 1024;
 
@@ -27,6 +31,11 @@ pub(super) struct Table<'a> {
     pub(super) solid: &'a mut Solid,
     /// The triangles of each corner.
     pub(super) around: Vec<Few>,
+    /// Where each corner was in the beginning.
+    homes: Vec<Vec3>,
+    /// How far from its corner's home anything was at most that has become this corner, and by how
+    /// much edges that were turned have moved the surface about it.
+    reaches: Vec<f32>,
     /// Over the triangles as they were when it was made.
     tree: BoxTree,
     boxes: Vec<Aabb>,
@@ -42,12 +51,14 @@ pub(super) struct Table<'a> {
 struct Undo {
     triangles: SmallVec<[(u32, [u32; 3]); 16]>,
     corner: Option<(u32, Vec3)>,
+    reaches: SmallVec<[(u32, f32); 4]>,
     /// How many triangles had changed before.
     n_changed: usize,
 }
 
 impl<'a> Table<'a> {
-    pub(super) fn new(solid: &'a mut Solid) -> Self {
+    /// `strayed` tells how far the surface has strayed at each corner before.
+    pub(super) fn new(solid: &'a mut Solid, strayed: Vec<f32>) -> Self {
         let mut around = vec![Few::new(); solid.positions.len()];
         for (number, triangle) in solid.triangles.iter().enumerate() {
             for corner in triangle {
@@ -57,7 +68,15 @@ impl<'a> Table<'a> {
         let boxes: Vec<Aabb> = solid.boxes().collect();
         let tree = BoxTree::new(boxes.iter().copied());
         let is_changed = vec![false; boxes.len()];
-        Self { solid, around, tree, boxes, changed: Vec::new(), touched: Vec::new(), is_changed }
+        let (homes, reaches) = (solid.positions.clone(), strayed);
+        let (changed, touched) = (Vec::new(), Vec::new());
+        Self { solid, around, homes, reaches, tree, boxes, changed, touched, is_changed }
+    }
+
+    /// How far the surface has strayed at most, at a corner.
+    pub(super) fn strayed(&self, corner: u32) -> f32 {
+        let i = corner as usize;
+        self.solid.positions[i].distance(self.homes[i]) + self.reaches[i]
     }
 
     /// The faults of all triangles, or of some, in ascending order.
@@ -164,10 +183,17 @@ impl<'a> Table<'a> {
         if ours.iter().filter(|corner| theirs.binary_search(corner).is_ok()).count() != 2 {
             return false;
         }
+        let [i, j] = [from as usize, to as usize];
+        let reach = self.homes[i].distance(self.homes[j]) + self.reaches[i];
+        let reach = reach.max(self.reaches[j]);
+        if self.solid.positions[j].distance(self.homes[j]) + reach > MOST_STRAYED {
+            return false;
+        }
         let mut touched = dying.clone();
         touched.extend_from_slice(&staying);
         let before = self.cost(&touched);
         let mut undo = Undo { n_changed: self.changed.len(), ..Undo::default() };
+        self.reach(to, reach, &mut undo);
         for triangle in &dying {
             self.set(*triangle, [u32::MAX; 3], &mut undo);
         }
@@ -217,8 +243,16 @@ impl<'a> Table<'a> {
         if six_volumes > LARGEST_TURN * largest {
             return false;
         }
+        let height = (six_volumes / largest) as f32;
+        let corners = [a, b, over, under];
+        if corners.iter().any(|corner| self.strayed(*corner) + height > MOST_STRAYED) {
+            return false;
+        }
         let before = self.cost(&beside);
         let mut undo = Undo { n_changed: self.changed.len(), ..Undo::default() };
+        for corner in corners {
+            self.reach(corner, self.reaches[corner as usize] + height, &mut undo);
+        }
         self.set(one, [a, right, left], &mut undo);
         self.set(other, [right, b, left], &mut undo);
         self.settle(&beside, before, undo)
@@ -226,13 +260,17 @@ impl<'a> Table<'a> {
 
     /// Moves a corner, if that leaves fewer faults, or so many more than that less one.
     pub(super) fn shift(&mut self, corner: u32, by: Vec3, allowed: usize) -> bool {
-        let touched = self.around[corner as usize].clone();
+        let i = corner as usize;
+        let position = self.solid.positions[i];
+        if (position + by).distance(self.homes[i]) + self.reaches[i] > MOST_STRAYED {
+            return false;
+        }
+        let touched = self.around[i].clone();
         let before = self.cost(&touched) + allowed;
-        let position = self.solid.positions[corner as usize];
         let corner_before = Some((corner, position));
         let n_changed = self.changed.len();
         let undo = Undo { corner: corner_before, n_changed, ..Undo::default() };
-        self.solid.positions[corner as usize] = position + by;
+        self.solid.positions[i] = position + by;
         self.rebox(&touched);
         self.settle(&touched, before, undo)
     }
@@ -253,6 +291,9 @@ impl<'a> Table<'a> {
         if let Some((corner, position)) = undo.corner {
             self.solid.positions[corner as usize] = position;
         }
+        for (corner, reach) in undo.reaches {
+            self.reaches[corner as usize] = reach;
+        }
         self.rebox(touched);
         // Those that changed for this step only are as they were.
         for triangle in self.changed.drain(undo.n_changed..) {
@@ -269,6 +310,11 @@ impl<'a> Table<'a> {
         for triangle in self.changed.drain(..) {
             self.is_changed[triangle as usize] = false;
         }
+    }
+
+    /// Gives a corner another reach.
+    fn reach(&mut self, corner: u32, reach: f32, undo: &mut Undo) {
+        undo.reaches.push((corner, std::mem::replace(&mut self.reaches[corner as usize], reach)));
     }
 
     /// Gives a triangle other corners.

@@ -33,7 +33,8 @@ pub use outline::outline;
 pub use pick::{AlongRay, Hit, PickOptions, PickedPart, PickedSides, Struck, pick, pick_compiled};
 pub use poses::{Moved, Poses};
 pub use prune::{
-    Beyond, Fate, Prune, PruneHandlers, Pruning, Standing, prune, prune_compiled, prune_interest,
+    Beyond, Fate, Prune, PruneHandlers, PruneLimits, Pruning, Remaining, Standing, prune,
+    prune_compiled, prune_each, prune_interest,
 };
 pub use verify::{Finding, Report, Severity, verify};
 #[cfg(feature = "union")]

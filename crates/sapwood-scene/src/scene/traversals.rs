@@ -3,9 +3,9 @@
 use sapwood_geom::{Bound, Ray};
 use sapwood_graph::{
     AlongRay, At, Counts, Diagnostic, DrawList, Everything, Finding, Hit, Interest, Interrupted,
-    Moved, Order, PickOptions, Poses, Provide, Prune, PruneHandlers, Report, Severity, Supply,
-    count, diagnostics, discover, draw_list, dump, outline, pick_compiled, prune_compiled,
-    prune_interest, verify, walk,
+    Moved, Order, PickOptions, Poses, Provide, Prune, PruneHandlers, PruneLimits, Remaining,
+    Report, Severity, Standing, Supply, count, diagnostics, discover, draw_list, dump, outline,
+    pick_compiled, prune_compiled, prune_each, prune_interest, verify, walk,
 };
 
 use super::Scene;
@@ -145,8 +145,11 @@ impl Scene {
     /// What a view draws inside of an envelope, in at most `max_rows` rows; `handlers` know how
     /// parts are cut. Compiles only what is not wholly outside. The scene stays as it is.
     ///
+    /// The view's token ends cutting as it ends compiling, and what is cut may have as many triangles
+    /// as the view's budget allows.
+    ///
     /// # Errors
-    /// When the view is closed, compiling was interrupted, or there are more rows.
+    /// When the view is closed, compiling or cutting was interrupted, or there are more rows.
     pub fn prune(
         &mut self,
         view: ViewId,
@@ -154,10 +157,44 @@ impl Scene {
         handlers: &PruneHandlers,
         max_rows: usize,
     ) -> Result<DrawList, ViewError> {
+        self.pruned(view, prune, max_rows, |pull, limits| {
+            Ok(prune_compiled(pull, prune, handlers, limits)??)
+        })
+    }
+
+    /// As [`prune`](Self::prune), but calls `visitor` for each node of which something may remain
+    /// instead of making a draw list.
+    ///
+    /// # Errors
+    /// When the view is closed, or compiling or cutting was interrupted.
+    pub fn traverse_pruned(
+        &mut self,
+        view: ViewId,
+        prune: &Prune,
+        handlers: &PruneHandlers,
+        visitor: &mut dyn FnMut(&Remaining<'_>, &At<'_, Standing>),
+    ) -> Result<(), ViewError> {
+        self.pruned(view, prune, usize::MAX, |pull, limits| {
+            Ok(prune_each(pull, prune, handlers, limits, visitor)?)
+        })
+    }
+
+    /// Compiles what a pruning wants, and reads the result within the view's limits.
+    fn pruned<R>(
+        &mut self,
+        view: ViewId,
+        prune: &Prune,
+        rows: usize,
+        read: impl FnOnce(&Pull<'_>, &PruneLimits<'_>) -> Result<R, ViewError>,
+    ) -> Result<R, ViewError> {
         self.discover(view, &prune_interest(prune))?;
-        let list = prune_compiled(&self.pull(view)?, prune, handlers, max_rows);
+        let token = self.cancel_token(view)?;
+        let triangles = self.view_mut(view)?.budget.triangles;
+        let goes_on = || !token.is_cancelled();
+        let limits = PruneLimits { rows, triangles, goes_on: &goes_on };
+        let result = read(&self.pull(view)?, &limits);
         self.evict_if_bloated(view);
-        Ok(list?)
+        result
     }
 
     /// What a view compiled to, as stable text of at most `max_lines` lines.

@@ -58,7 +58,7 @@ impl Scene {
         Ok(())
     }
 
-    fn view_mut(&mut self, view: ViewId) -> Result<&mut View, ViewError> {
+    pub(super) fn view_mut(&mut self, view: ViewId) -> Result<&mut View, ViewError> {
         let row = self.views.get_mut(view.number);
         row.filter(|row| row.generation == view.generation).ok_or(ViewError::Closed)
     }

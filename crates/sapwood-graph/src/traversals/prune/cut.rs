@@ -4,6 +4,7 @@ use sapwood_geom::glam::{Affine3, Vec2, Vec3};
 use sapwood_geom::{Aabb, Envelope, FixedMap, Mesh, Side, Sphere, fixed_state};
 
 use super::fate::Beyond;
+use super::meter::Meter;
 
 /// Times that a triangle is divided into four at most.
 const MOST_DIVISIONS: u32 = 12;
@@ -142,7 +143,10 @@ impl Border for Through<'_> {
 }
 
 /// What remains of a mesh, in the making.
-pub(super) struct Remains {
+pub(super) struct Remains<'a> {
+    meter: &'a Meter<'a>,
+    /// Whether triangles stay however thin they are, lest there be gaps.
+    is_closed: bool,
     mesh: Mesh,
     numbers: FixedMap<[u32; 8], u32>,
     /// Borders of what was cut since the last cap, with what remains on their left.
@@ -156,10 +160,15 @@ enum Outcome {
     Pieces(Vec<[Corner; 3]>, Vec<[Corner; 2]>),
 }
 
-impl Remains {
-    pub(super) fn new() -> Self {
-        let numbers = FixedMap::with_hasher(fixed_state());
-        Self { mesh: Mesh::default(), numbers, rim: Vec::new() }
+impl<'a> Remains<'a> {
+    pub(super) fn new(meter: &'a Meter<'a>) -> Self {
+        let (mesh, numbers) = (Mesh::default(), FixedMap::with_hasher(fixed_state()));
+        Self { meter, is_closed: false, mesh, numbers, rim: Vec::new() }
+    }
+
+    /// What remains of a closed mesh, and is to be closed again.
+    pub(super) fn closed(meter: &'a Meter<'a>) -> Self {
+        Self { is_closed: true, ..Self::new(meter) }
     }
 
     pub(super) fn finish(self) -> Mesh {
@@ -168,14 +177,16 @@ impl Remains {
 
     /// Adds a triangle of `mesh` as it is.
     pub(super) fn add(&mut self, mesh: &Mesh, triangle: usize) {
+        self.meter.made(1);
         self.put(&corners(mesh, triangle));
     }
 
     /// Adds what `border` leaves of a triangle of `mesh`; tells whether that is all of it.
     pub(super) fn add_cut(&mut self, mesh: &Mesh, triangle: usize, border: &impl Border) -> bool {
         let corners = corners(mesh, triangle);
-        match cut(&corners, border, 0) {
+        match cut(&corners, border, 0, self.meter) {
             Outcome::Whole => {
+                self.meter.made(1);
                 self.put(&corners);
                 true
             }
@@ -203,6 +214,7 @@ impl Remains {
             return;
         }
         let center = Corner { position: middle, normal, uv };
+        self.meter.made(rim.len());
         for [from, to] in rim {
             self.put(&[Corner { normal, ..to }, Corner { normal, ..from }, center]);
         }
@@ -217,7 +229,7 @@ impl Remains {
         let [a, b, c] = corners.map(|corner| corner.position);
         let longest = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
         // Too thin to have a normal.
-        if (b - a).cross(c - a).length() <= 1e-6 * longest {
+        if !self.is_closed && (b - a).cross(c - a).length() <= 1e-6 * longest {
             return;
         }
         for corner in corners {
@@ -239,8 +251,17 @@ fn corners(mesh: &Mesh, triangle: usize) -> [Corner; 3] {
     [0, 1, 2].map(|i| Corner::of(mesh, mesh.indices[3 * triangle + i]))
 }
 
-/// What is left of a triangle. Recurses as deep as it is divided, [`MOST_DIVISIONS`] times.
-fn cut(triangle: &[Corner; 3], border: &impl Border, n_divisions: u32) -> Outcome {
+/// What is left of a triangle; nothing once the meter has ended the work. Recurses as deep as it is
+/// divided, [`MOST_DIVISIONS`] times.
+fn cut(
+    triangle: &[Corner; 3],
+    border: &impl Border,
+    n_divisions: u32,
+    meter: &Meter<'_>,
+) -> Outcome {
+    if !meter.goes_on() {
+        return Outcome::Gone;
+    }
     match border.side_of(triangle) {
         Side::Inside => return Outcome::Whole,
         Side::Outside => return Outcome::Gone,
@@ -255,13 +276,17 @@ fn cut(triangle: &[Corner; 3], border: &impl Border, n_divisions: u32) -> Outcom
     let is_mixed = kept[0] != kept[1] || kept[1] != kept[2];
     match (is_mixed, precision) {
         (false, None) => return if kept[0] { Outcome::Whole } else { Outcome::Gone },
-        (true, None) => return straight(triangle, kept, border),
+        (true, None) => {
+            meter.made(2);
+            return straight(triangle, kept, border);
+        }
         (true, Some([tolerance, _])) => {
             let outcome = straight(triangle, kept, border);
             let follows = |rim: &[[Corner; 2]]| {
                 rim.iter().all(|chord| is_near(chord, triangle, border, tolerance))
             };
             if matches!(&outcome, Outcome::Pieces(_, rim) if follows(rim)) {
+                meter.made(2);
                 return outcome;
             }
         }
@@ -270,7 +295,7 @@ fn cut(triangle: &[Corner; 3], border: &impl Border, n_divisions: u32) -> Outcom
     let [a, b, c] = *triangle;
     let [ab, bc, ca] = [a.toward(&b, 0.5), b.toward(&c, 0.5), c.toward(&a, 0.5)];
     let quarters = [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]];
-    let outcomes = quarters.map(|quarter| cut(&quarter, border, n_divisions + 1));
+    let outcomes = quarters.map(|quarter| cut(&quarter, border, n_divisions + 1, meter));
     if outcomes.iter().all(|outcome| matches!(outcome, Outcome::Whole)) {
         return Outcome::Whole;
     }
@@ -280,7 +305,10 @@ fn cut(triangle: &[Corner; 3], border: &impl Border, n_divisions: u32) -> Outcom
     let (mut pieces, mut rim) = (Vec::new(), Vec::new());
     for (quarter, outcome) in quarters.into_iter().zip(outcomes) {
         match outcome {
-            Outcome::Whole => pieces.push(quarter),
+            Outcome::Whole => {
+                meter.made(1);
+                pieces.push(quarter);
+            }
             Outcome::Gone => {}
             Outcome::Pieces(more, edges) => {
                 pieces.extend(more);
@@ -328,6 +356,7 @@ fn is_near(
 
 #[cfg(test)]
 mod tests {
+    use super::super::PruneLimits;
     use super::*;
 
     fn square(size: f32) -> Mesh {
@@ -346,7 +375,8 @@ mod tests {
     }
 
     fn remains(mesh: &Mesh, border: &impl Border) -> Mesh {
-        let mut remains = Remains::new();
+        let meter = Meter::new(&PruneLimits::NONE);
+        let mut remains = Remains::new(&meter);
         for triangle in 0..mesh.n_triangles() {
             remains.add_cut(mesh, triangle, border);
         }
@@ -418,7 +448,8 @@ mod tests {
             let [a, b] = [2 * i, 2 * ((i + 1) % n)];
             tube.indices.extend([a, b, b + 1, a, b + 1, a + 1]);
         }
-        let mut remains = Remains::new();
+        let meter = Meter::new(&PruneLimits::NONE);
+        let mut remains = Remains::new(&meter);
         let part = Above(0.4);
         let border = Through { part: &part, to_plan: Affine3::IDENTITY };
         for triangle in 0..tube.n_triangles() {
