@@ -157,10 +157,18 @@ impl Wood {
         all * weight / f64::from(n)
     }
 
-    /// The first solids of those components of a union that hold nothing of any trunk: stems
-    /// which hang in the air. The union must be of the stems, in their order.
+    /// The first solids of those components of a union that hold nothing of any trunk and are no
+    /// cavities: stems which hang in the air. The union must be of the stems, in their order.
     pub(crate) fn afloat(&self, union: &Union) -> Vec<u32> {
-        let components = union.solid.components().into_iter().zip(&union.sources);
+        let solid = &union.solid;
+        let mut volumes = vec![0.0; solid.positions.len()];
+        for (number, component) in solid.components().iter().enumerate() {
+            let from = solid.positions[*component as usize].as_dvec3();
+            let [a, b, c] = solid.corners(number).map(|corner| corner.as_dvec3() - from);
+            volumes[*component as usize] += a.dot(b.cross(c));
+        }
+        let components = solid.components().into_iter().zip(&union.sources);
+        let components = components.filter(|(component, _)| volumes[*component as usize] > 0.0);
         let mut roots: Vec<(u32, u8, u32)> = components
             .map(|(component, (part, _))| (component, self.levels[*part as usize], *part))
             .collect();

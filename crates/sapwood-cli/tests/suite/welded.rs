@@ -110,7 +110,8 @@ fn any_number_of_threads_welds_the_same() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     for (name, n_threads) in [("one", "1"), ("four", "4")] {
-        let line = format!("{SMALL} --weld union -o {name}.stl -o {name}.glb");
+        let line =
+            format!("grow quaking_aspen --levels 2 --weld union -o {name}.stl -o {name}.glb");
         let output = command(at, &line).env("RAYON_NUM_THREADS", n_threads).output().unwrap();
         assert_eq!(output.status.code(), Some(0), "{output:?}");
     }
@@ -125,7 +126,7 @@ fn any_number_of_threads_welds_the_same() {
 fn what_a_cut_leaves_is_welded_too() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
-    let cut = format!("{SMALL} --cut half-space:0,1,0,5 --weld union");
+    let cut = "grow quaking_aspen --levels 2 --cut half-space:0,1,0,5 --weld union";
     let told = json(&says(at, &format!("{cut} -o t.stl -o t.glb --json")));
     let stl = of_stl(&fs::read(at.join("t.stl")).unwrap());
     for solid in [&stl, &of_glb(&at.join("t.glb"))] {
