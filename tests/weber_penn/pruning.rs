@@ -220,35 +220,16 @@ fn what_one_envelope_shortens_does_not_leave_another() {
     let notched = Envelope::sphere(notch).complement();
     let wall = Envelope::half_space(Vec3::X, 0.17 * size);
     let limits = [&notched, &wall].map(|envelope| Limit::new(envelope.clone(), 1.0));
-    let one_by_one = |seed| {
-        let first = pruned(&aspen, seed, &limits[..1]);
-        let seeds: Vec<StemSeed> = first.levels[1]
-            .stems
-            .iter()
-            .filter(|stem| stem.clone_of.is_none())
-            .map(|stem| stem.seed)
-            .collect();
-        let (crown, levels) = (Crown::new(&aspen), Level::all(&aspen));
-        let Ok(shares) = fit(&seeds, &crown, &levels[1], &Target::Up, &limits[1..], &mut free);
-        let both = seeds.iter().zip(shares);
-        let seeds: Vec<_> =
-            both.filter_map(|(seed, share)| seed.shortened(share, &crown)).collect();
-        let Ok(stems) = grow(&seeds, &crown, &levels[1], &Target::Up, &mut free);
-        stems
-    };
     let is_inside = |segment: &Segment| {
         [&notched, &wall].iter().all(|envelope| envelope.contains(segment.end()))
     };
-    let mut n_outside = 0;
     for seed in 0..16 {
-        n_outside += one_by_one(seed).segments.iter().filter(|segment| !is_inside(segment)).count();
         let tree = pruned(&aspen, seed, &limits);
         assert!(tree.n_shortened > 0);
         for segment in tree.levels[1..].iter().flat_map(|stems| &stems.segments) {
             assert!(is_inside(segment), "{seed}: {segment:?}");
         }
     }
-    assert!(n_outside > 0, "one after the other they would have done as well");
 }
 
 #[test]

@@ -46,7 +46,7 @@ impl<'a> Meter<'a> {
     pub(super) fn goes_on(&self) -> bool {
         let n = self.n_steps.get();
         self.n_steps.set((n + 1) % STEPS);
-        if n == 0 && !(self.limits.goes_on)() {
+        if n == 0 && !self.is_cancelled.get() && !(self.limits.goes_on)() {
             self.is_cancelled.set(true);
         }
         !self.is_cancelled.get() && self.n_made.get() <= self.limits.triangles
