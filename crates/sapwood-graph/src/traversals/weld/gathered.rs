@@ -82,6 +82,10 @@ impl Gathered {
             if path.number() == 0 {
                 self.root = self.above.len() as u32;
             }
+            // A pruning does not visit what it drops: such places stand above themselves, and hold
+            // nothing.
+            let (next, place) = (self.above.len() as u32, self.root + path.number());
+            self.above.extend(next..place);
             self.above.push(self.root + path.number_above());
         }
         self.root + path.number()
