@@ -12,7 +12,7 @@ use crate::traversals::draw_list::{Builder, Top};
 use crate::traversals::{
     Body, CameraRow, DrawList, DrawRow, LabelRow, LightRow, LineRow, Occurrence, TooManyRows,
 };
-use crate::{At, Limiter, LightShape, Material, RenderNode, Supply};
+use crate::{At, LightShape, Limiter, Material, RenderNode, Supply};
 
 /// What remains, in the making.
 pub(super) struct Drawing<'a> {
