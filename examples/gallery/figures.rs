@@ -63,8 +63,8 @@ pub(super) fn of_the_thesis() -> Result<Vec<Figure>, Box<dyn Error>> {
 /// that follow the crown, a mesh instead of leaves, roots with few sides.
 pub(super) fn beyond_the_paper() -> Result<Figure, Box<dyn Error>> {
     let mut plain = steady("apple")?;
-    (plain.scale, plain.leaves.scale) = (6.0, 0.24);
-    (plain.level[1].branches, plain.level[2].branches, plain.leaves.count) = (14, 8, 12);
+    (plain.scale, plain.ratio, plain.leaves.scale) = (5.0, 0.03, 0.22);
+    (plain.level[1].branches, plain.level[2].branches, plain.leaves.count) = (20, 12, 18);
     let exhibit = |change: &dyn Fn(&mut Species)| {
         let mut species = plain.clone();
         change(&mut species);
@@ -74,7 +74,7 @@ pub(super) fn beyond_the_paper() -> Result<Figure, Box<dyn Error>> {
     let bare = |species: &mut Species| (species.levels, species.leaves.count) = (2, 0);
     let trees = [
         exhibit(&|_| ()),
-        exhibit(&|leafy| leafy.level[1].leaves = 60),
+        exhibit(&|leafy| leafy.level[1].leaves = 120),
         exhibit(&|round| round.leaves.roundness = 0.9),
         exhibit(&|laden| {
             let mesh = pear.clone();
@@ -83,14 +83,14 @@ pub(super) fn beyond_the_paper() -> Result<Figure, Box<dyn Error>> {
         }),
         exhibit(&|rooted| {
             bare(rooted);
-            (rooted.roots.count, rooted.roots.length, rooted.roots.curve) = (7, 0.3, 15.0);
-            (rooted.roots.down_angle, rooted.roots.radius) = (84.0, 0.6);
+            (rooted.roots.count, rooted.roots.length, rooted.roots.curve) = (7, 0.3, 6.0);
+            (rooted.roots.down_angle, rooted.roots.radius) = (84.0, 0.9);
             for level in &mut rooted.level {
                 (level.sides, level.segments) = (Some(5), Some(6));
             }
         }),
     ];
-    Ok(Figure::row("beyond", 6.5, trees))
+    Ok(Figure::row("beyond", 3.6, trees))
 }
 
 /// A pear that hangs along +z from its stalk.
