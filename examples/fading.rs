@@ -1,9 +1,9 @@
 //! One aspen from further and further away: what is left of it, and boards with images of it that
 //! stand for it in the end, on one sheet.
 //!
-//! `cargo run --release --example fading [FOLDER]` writes `fading.png`. The tree is compiled once; from
-//! one distance to the next nothing runs but the walk. Each picture is enlarged, so that what fades
-//! can be seen.
+//! `cargo run --release --example fading [FOLDER]` writes `fading.png`. The tree is compiled once, and
+//! its boards once; from one distance to the next nothing runs but the walk. Each picture is enlarged,
+//! so that what fades can be seen.
 
 use std::error::Error;
 use std::ops::ControlFlow;
@@ -35,6 +35,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     scene.append(levels, family)?;
     scene.add_to(levels, HeldImpostor { impostor })?;
     let with_boards = scene.open_view(levels, &sapwood::fading_rules())?;
+    // Seen from afar, so that it is the boards that are compiled.
+    scene.set_held::<Viewpoint>(with_boards, Some(Vec3::Z * 1200.0))?;
+    scene.bounds(with_boards)?;
     scene.set_logging(true);
 
     let ranges = [5.0, 30.0, 60.0, 120.0, 240.0, 600.0, 1200.0].map(|range| (fading, range));

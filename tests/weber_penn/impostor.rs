@@ -4,9 +4,9 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use sapwood::geom::Image;
 use sapwood::geom::glam::{Affine3, Vec2, Vec3};
-use sapwood::graph::{Alpha, Eye, Impostor, Lens};
+use sapwood::geom::{Envelope, Image};
+use sapwood::graph::{Alpha, Eye, Impostor, Lens, Prune};
 use sapwood::picture::{
     Background, ImpostorLight, ImpostorOptions, Impostors, PictureOptions, PlacedCamera, Studio,
 };
@@ -26,6 +26,13 @@ fn level() -> ImpostorOptions {
 
 fn few() -> ImpostorOptions {
     ImpostorOptions { sides: 4, rows: 32, samples: 4, ..level() }
+}
+
+/// Eight directions at level height. Not only those that images were taken from.
+fn sides() -> Vec<Vec3> {
+    let angle = |side: u8| (std::f32::consts::FRAC_PI_4 + 0.02) * f32::from(side);
+    let level = |angle: f32| Vec3::new(angle.sin(), 0.0, angle.cos());
+    (0..8).map(|side| level(angle(side))).collect()
 }
 
 fn impostor(impostors: &mut Impostors, scene: &mut Scene, view: ViewId) -> Arc<Impostor> {
@@ -66,12 +73,12 @@ fn picture(scene: &mut Scene, view: ViewId, eye: Vec3, target: Vec3, metres: f32
 
 /// From 600 m, through a telescope that shows the tree 112 pixels high, beside the tree itself: the
 /// impostor is the farthest of two levels of detail.
-fn check_like_the_tree(name: &str) {
+fn check_like_the_tree(name: &str, options: ImpostorOptions, from: &[Vec3]) {
     // Check mode would compile all of it for each picture.
     let mut tree = planted_in(Scene::new(), &built_in(name), 1);
     let plain = tree.view;
     let aabb = tree.scene.bounds(plain).unwrap().aabb;
-    let made = impostor(&mut Impostors::new(level()), &mut tree.scene, plain);
+    let made = impostor(&mut Impostors::new(options), &mut tree.scene, plain);
     let scene = &mut tree.scene;
     let species = scene.add(built_in(name).attribute());
     let levels = LevelOfDetail { hysteresis: 0.1, ..LevelOfDetail::new([300.0]) };
@@ -82,11 +89,8 @@ fn check_like_the_tree(name: &str) {
 
     let (middle, metres) = (aabb.center(), aabb.size().max_element() * 8.0 / 7.0);
     let mut worst = (0.0f64, 0.0f64);
-    for side in 0..8 {
-        // Not only from where images were taken.
-        let angle = std::f32::consts::FRAC_PI_4 * side as f32 + 0.02 * side as f32;
-        let away = Vec3::new(angle.sin(), 0.0, angle.cos()) * 600.0;
-        let eye = Vec3::new(away.x, 1.7, away.z);
+    for (side, from) in from.iter().enumerate() {
+        let eye = *from * 600.0 + Vec3::Y * 1.7;
         scene.set_held::<Viewpoint>(view, Some(eye)).unwrap();
         let board = covered(&picture(scene, view, eye, middle, metres));
         if side == 0 {
@@ -107,12 +111,21 @@ fn check_like_the_tree(name: &str) {
 
 #[test]
 fn from_afar_an_impostor_of_an_aspen_looks_like_it() {
-    check_like_the_tree("quaking_aspen");
+    check_like_the_tree("quaking_aspen", level(), &sides());
+}
+
+#[test]
+fn an_impostor_looks_like_its_tree_from_above_too() {
+    let (up, along) = ImpostorOptions::STEEPNESS.sin_cos();
+    let halfway = |angle: f32| Vec3::new(angle.sin() * along, up, angle.cos() * along);
+    let from = [Vec3::X, halfway(0.1), halfway(2.3), halfway(-1.5), Vec3::Y];
+    let options = ImpostorOptions { sides: 4, ..ImpostorOptions::default() };
+    check_like_the_tree("lombardy_poplar", options, &from);
 }
 
 #[test]
 fn from_afar_an_impostor_of_a_black_tupelo_looks_like_it() {
-    check_like_the_tree("black_tupelo");
+    check_like_the_tree("black_tupelo", level(), &sides());
 }
 
 #[test]
@@ -141,13 +154,15 @@ fn an_impostor_is_made_again_only_when_its_tree_is_edited() {
         let mut tree = grown(&built_in("quaking_aspen"), 1);
         impostor(&mut Impostors::new(few()), &mut tree.scene, tree.view)
     });
-    assert_eq!(anew.material, first.material);
+    assert_eq!((&anew.mesh, &anew.material), (&first.mesh, &first.material));
+    assert_eq!(anew.aspects, first.aspects);
 }
 
 #[test]
 fn an_impostor_shows_the_side_that_is_looked_at_and_two_crossed_boards_to_nobody() {
     let mut tree = grown(&built_in("palm"), 1);
-    let made = impostor(&mut Impostors::new(few()), &mut tree.scene, tree.view);
+    let options = ImpostorOptions { sides: 8, ..few() };
+    let made = impostor(&mut Impostors::new(options), &mut tree.scene, tree.view);
     let scene = &mut tree.scene;
     // Turned by a quarter about its foot: what stood at +z is at +x.
     let turn = Affine3::from_rotation_y(std::f32::consts::FRAC_PI_2);
@@ -176,8 +191,23 @@ fn an_impostor_shows_the_side_that_is_looked_at_and_two_crossed_boards_to_nobody
     }
     assert_eq!(compiled(scene, view), []);
     assert_eq!(scene.bounds(view).unwrap(), bound);
+
+    // A cut and wires have no eye.
+    let prune = Prune::to(Envelope::half_space(Vec3::X, 0.1));
+    let cut = scene.prune(view, &prune, &sapwood::rules::weber_penn::prune_handlers(), 99).unwrap();
+    let normals: Vec<Vec3> = cut
+        .placed_rows()
+        .flat_map(|(world, row)| row.mesh.normals.iter().map(move |n| world.transform_vector3(*n)))
+        .collect();
+    let is_of = |side: &Vec3| normals.iter().any(|normal| normal.distance(*side) < 1e-4);
+    assert!([Vec3::Z, Vec3::NEG_Z].iter().all(is_of), "{normals:?}");
+    let slanted = normals.iter().filter(|normal| normal.abs().max_element() < 0.999);
+    assert_eq!(slanted.count(), 0, "boards that are not crossed");
     scene.set_held::<StyleSlot>(view, Style::Wire).unwrap();
-    assert_eq!(n_triangles(scene), 0);
+    let list = scene.draw_list(view, 9).unwrap();
+    let n_lines: usize = list.placed_lines().map(|(_, row)| row.drawn().len()).sum();
+    // Five edges of each of four boards; each is a line.
+    assert_eq!((n_triangles(scene), n_lines), (0, 20));
 }
 
 #[test]

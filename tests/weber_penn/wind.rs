@@ -4,7 +4,7 @@
 use sapwood::geom::glam::{Affine3, Vec3};
 use sapwood::graph::{DrawList, Eye, Levels, Moved, Poses, Wind};
 use sapwood::rules::weber_penn::{Seed, Species, SwayParams, SwaySlot, Tree};
-use sapwood::scene::{Action, Group, Time, Transform, ViewId, Viewer, WindSlot};
+use sapwood::scene::{Action, Group, Scene, Time, Transform, ViewId, Viewer, WindSlot};
 
 use super::trees::*;
 
@@ -208,39 +208,53 @@ fn individuals_share_a_pose_and_others_have_their_own() {
     assert_eq!((bodies, posed.bodies.len()), (vec![0, 1, 0, 2], 3));
 }
 
-#[test]
-fn equal_trees_side_by_side_are_in_different_phases() {
-    let mut scene = checked_scene();
+/// Equal trees in rows, so far from each other along x and along z.
+fn rows_of_equal_trees(step: (f32, f32)) -> DrawList {
+    let mut scene = Scene::new();
     let family = scene.add(sapling().attribute());
     let all = scene.add_to(family, Group).unwrap();
     let tree = scene.add(Tree { seed: Seed::Explicit(1) });
-    for i in 0..12u8 {
-        let (x, z) = (6.0 * f32::from(i % 4), 6.0 * f32::from(i / 4));
-        let place = scene.add_to(all, Transform::translation(x, 0.0, z)).unwrap();
+    for i in 0..SIDE * SIDE {
+        let (x, z) = ((i % SIDE) as f32, (i / SIDE) as f32);
+        let place = Transform::translation(step.0 * x, 0.0, step.1 * z);
+        let place = scene.add_to(all, place).unwrap();
         scene.append(place, tree).unwrap();
     }
     let view = scene.open_view(family, &sapwood::swaying_rules()).unwrap();
-    let list = scene.draw_list(view, 1000).unwrap();
-    let mut poses = Poses::new(&list);
+    scene.draw_list(view, 1000).unwrap()
+}
+
+const SIDE: usize = 10;
+
+#[test]
+fn equal_trees_side_by_side_are_mostly_in_different_phases() {
     let wind = Wind::new(3.0, 0.0);
-    let moved = poses.update(wind, 5.0, None);
-    // The first stands at the origin, where the rig says itself what is when.
-    let rig = list.bodies[0].rig.as_ref().unwrap();
-    let mut alone = Vec::new();
-    rig.pose(wind, 5.0, Levels::ALL, &mut alone);
-    assert_eq!(poses.of(0).unwrap(), alone);
-    let phase = |i: usize| poses.of(i).unwrap().as_ptr();
-    let mut phases: Vec<_> = (0..12).map(phase).collect();
-    for i in 0..12 {
-        let is_alike = |other: usize| phase(i) == phase(other);
-        assert!(i % 4 == 3 || !is_alike(i + 1), "{i} sways with the next");
+    for step in [(1.0, 1.0), (4.0, 4.0), (6.0, 6.0), (4.0, 7.0), (8.0, 12.5)] {
+        let list = rows_of_equal_trees(step);
+        let mut poses = Poses::new(&list);
+        let moved = poses.update(wind, 5.0, None);
+        // The first stands at the origin, where the rig says itself what is when.
+        let rig = list.bodies[0].rig.as_ref().unwrap();
+        let mut alone = Vec::new();
+        rig.pose(wind, 5.0, Levels::ALL, &mut alone);
+        assert_eq!(poses.of(0).unwrap(), alone);
+        let phase = |i: usize| poses.of(i).unwrap().as_ptr();
+        let is_first = |i: &usize| i % SIDE < SIDE - 1;
+        let beside = (0..SIDE * SIDE).filter(is_first).map(|i| (i, i + 1));
+        let behind = (SIDE..SIDE * SIDE).map(|i| (i - SIDE, i));
+        // Of 90 pairs a quarter, more or less.
+        for pairs in [beside.collect::<Vec<_>>(), behind.collect()] {
+            let n_alike = pairs.iter().filter(|(a, b)| phase(*a) == phase(*b)).count();
+            assert!((8..=38).contains(&n_alike), "{step:?}: {n_alike} of {}", pairs.len());
+        }
+        let mut phases: Vec<_> = (0..SIDE * SIDE).map(phase).collect();
+        phases.sort_unstable();
+        phases.dedup();
+        assert_eq!((phases.len(), poses.posed(&list).bodies.len()), (4, 4));
+        let mut one = Poses::new(&list).in_phases(0);
+        assert_eq!(one.update(wind, 5.0, None).n_joints * 4, moved.n_joints);
+        assert_eq!(one.posed(&list).bodies.len(), 1);
     }
-    phases.sort_unstable();
-    phases.dedup();
-    assert_eq!((phases.len(), poses.posed(&list).bodies.len()), (4, 4));
-    let mut one = Poses::new(&list).in_phases(0);
-    assert_eq!(one.update(wind, 5.0, None).n_joints * 4, moved.n_joints);
-    assert_eq!(one.posed(&list).bodies.len(), 1);
 }
 
 #[test]

@@ -45,8 +45,10 @@ fn dress(species: &mut Species, arguments: &TreeArguments) -> Result<(), Failure
             return Err(Failure::usage(format!("--leaf-image {}: {fault}", path.display())));
         }
     }
-    let is_dressed = arguments.leaf_mesh.is_some() || arguments.leaf_image.is_some();
-    if is_dressed && leaves.has_own_proportions() {
+    // An image on a mesh of somebody's own says nothing of proportions.
+    let is_reshaped =
+        arguments.leaf_mesh.is_some() || arguments.leaf_image.is_some() && leaves.mesh.is_none();
+    if is_reshaped && leaves.has_own_proportions() {
         leaves.scale_x = 1.0;
     }
     Ok(())
@@ -132,9 +134,12 @@ fn limited(mut species: Species, levels: Option<u32>) -> Result<Species, Failure
     Ok(species)
 }
 
-/// The species with a share of its leaves, which are larger. Fans are few and stay.
+/// The species with a share of its leaves, which are larger. Where there are fans alone, they are
+/// few and stay.
 fn thinned(mut species: Species, quality: f32) -> Species {
-    if species.leaves.count >= 0 {
+    let n_levels = species.level.len().min(species.levels as usize - 1);
+    let has_others = species.level[..n_levels].iter().any(|level| level.leaves > 0);
+    if species.leaves.count >= 0 || has_others {
         species.leaves.quality *= quality;
     }
     species

@@ -346,7 +346,19 @@ impl Fragment {
     pub fn line_material(&self, index: u32) -> Option<&Arc<Material>> {
         match self.nodes[index as usize].code {
             Code::Lines(i) => self.drawn.as_deref()?.lines[i as usize].material.as_ref(),
-            _ => None,
+            Code::Group
+            | Code::Transform(_)
+            | Code::Live(_)
+            | Code::Facing(_)
+            | Code::Fading(_)
+            | Code::Aspects(_)
+            | Code::Swaying(_)
+            | Code::Mesh(_)
+            | Code::Instances(_)
+            | Code::Light(_)
+            | Code::Camera(_)
+            | Code::Label(_)
+            | Code::Deferred(_) => None,
         }
     }
 

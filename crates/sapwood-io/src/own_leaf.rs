@@ -1,7 +1,6 @@
 //! Leaves of somebody's own: their meshes from glTF files, their images from PNG and JPEG files.
 
 use std::path::Path;
-use std::sync::Arc;
 
 use sapwood_geom::{Image, Shared};
 use sapwood_graph::Material;
@@ -46,18 +45,14 @@ fn leaf_of(model: &Model) -> Result<LeafMesh, Error> {
     };
     let mesh = all_triangles(model, 3 * LeafMesh::MOST_TRIANGLES as u64)?;
     let shown = model.nodes.iter().filter_map(|node| node.mesh);
-    let mut materials: Vec<Option<&Arc<Material>>> = Vec::new();
-    for part in shown.flat_map(|mesh| &model.meshes[mesh]) {
-        let material = part.material.as_ref().filter(|material| !says_nothing(material));
-        if !materials.contains(&material) {
-            materials.push(material);
-        }
-    }
-    if let [_, _, ..] = materials[..] {
-        let found = format!("a leaf of {} materials", materials.len());
+    let mut materials = shown
+        .flat_map(|mesh| &model.meshes[mesh])
+        .map(|part| part.material.as_ref().filter(|material| !says_nothing(material)));
+    let material = materials.next().flatten();
+    if materials.any(|other| other != material) {
+        let found = "a leaf of several materials".to_owned();
         return Err(invalid(found, "one, which may have an image"));
     }
-    let material = materials.first().copied().flatten();
     LeafMesh::new(&mesh, material.cloned()).map_err(|fault| invalid(fault.to_string(), ""))
 }
 
@@ -87,6 +82,7 @@ pub fn read_leaf_image(path: impl AsRef<Path>) -> Result<Shared<Image>, Error> {
 #[cfg(test)]
 mod tests {
     use std::path::PathBuf;
+    use std::sync::Arc;
 
     use sapwood_geom::glam::{Affine3, Vec3};
     use sapwood_geom::{Mesh, SharedMesh};

@@ -20,7 +20,7 @@ use sapwood_graph::{
     draw_list,
 };
 
-use crate::{Background, PictureError, PictureOptions, Progress, Studio};
+use crate::{PictureError, Progress, Studio};
 
 use atlas::Atlas;
 use extent::{Frame, Points};
@@ -30,7 +30,8 @@ pub use options::{ImpostorLight, ImpostorOptions};
 const LEAST_COVERAGE: f32 = 0.5;
 
 /// Makes impostors and keeps them: what was made once is made again only when what it stands for
-/// has changed.
+/// has changed. All are kept until [`forget_unused`](Self::forget_unused), those of earlier edits
+/// too.
 #[derive(Debug)]
 pub struct Impostors {
     options: ImpostorOptions,
@@ -59,11 +60,10 @@ impl Impostors {
         provide: &mut dyn Provide,
         progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
     ) -> Result<Arc<Impostor>, PictureError> {
+        self.options.check()?;
+        self.options.picture_options([8, self.options.rows]).check()?;
         discover(provide, &Everything)?;
-        let list = match draw_list(&*provide, usize::MAX) {
-            Ok(list) => list,
-            Err(_) => return Err(PictureError::Empty),
-        };
+        let list = draw_list(&*provide, usize::MAX).expect("rows are not limited");
         let digest = digest(&list);
         if let Some(kept) = self.kept.get(&digest) {
             return Ok(Arc::clone(kept));
@@ -108,18 +108,11 @@ fn made(
     options: &ImpostorOptions,
     progress: &mut dyn FnMut(&Progress) -> ControlFlow<()>,
 ) -> Result<Impostor, PictureError> {
-    options.check()?;
     let toward = options.directions();
     let points = Points::of(list);
     let cell = points.cell(&toward, options.rows)?;
-    let mut atlas = Atlas::new(cell, toward.len() as u32);
-    let picture_options = PictureOptions {
-        size: cell,
-        samples: options.samples,
-        background: Background::Transparent,
-        ..options.light.picture_options()
-    };
-    picture_options.check()?;
+    let mut atlas = Atlas::new(cell, toward.len() as u32)?;
+    let picture_options = options.picture_options(cell);
     let n_cells = toward.len() as u64;
     let mut studio = Studio::new(provide);
     let mut mesh = Mesh::default();
@@ -143,7 +136,7 @@ fn made(
     let aspects = Aspects {
         toward: Shared::new(toward),
         center: points.center(),
-        without_eye: options.n_crossed(),
+        without_eye: ImpostorOptions::CROSSED,
     };
     Ok(Impostor { mesh: SharedMesh::new(mesh), material: Arc::new(material), aspects })
 }

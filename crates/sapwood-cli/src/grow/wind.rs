@@ -100,10 +100,11 @@ impl WindArguments {
         SwayParams { strongest: params.strongest.max(most), ..params }
     }
 
-    /// The list at the moment that is asked for, if anything sways.
+    /// The list at the moment that is asked for, if anything sways: wherever the tree stands, as
+    /// animations have it then.
     pub(super) fn moment(&self, list: &DrawList) -> Option<DrawList> {
         let wind = self.wind?;
-        let mut poses = Poses::new(list);
+        let mut poses = Poses::new(list).in_phases(1);
         poses.update(wind, f64::from(self.time.unwrap_or(0.0)), None);
         Some(poses.posed(list))
     }

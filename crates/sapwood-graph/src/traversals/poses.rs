@@ -3,14 +3,14 @@
 //! The list stands at rest and is made once. From one picture to the next only numbers move: a
 //! transform for each joint of each body, which vertices and instances follow. Occurrences of one
 //! body share them in a few phases, so a forest of a few individuals costs what these cost in each
-//! phase, and neighbours do not sway in step. A level whose sway
+//! phase, and neighbours mostly do not sway in step. A level whose sway
 //! would be less than half a pixel high, from where somebody looks, rides rigidly on what carries
 //! it; so far away that this holds of all levels, nothing is moved at all.
 
 use std::sync::Arc;
 
 use sapwood_geom::glam::{Affine3, Mat3, Vec3};
-use sapwood_geom::{Aabb, FixedMap, Mesh, Shared, SharedMesh, fixed_state};
+use sapwood_geom::{Aabb, Digest, FixedMap, Mesh, Shared, SharedMesh, fixed_state};
 
 use super::{Body, DrawList, DrawRow, Follows};
 use crate::{Eye, Levels, Rig, Wind};
@@ -19,8 +19,9 @@ use crate::{Eye, Levels, Rig, Wind};
 ///
 /// They belong to the list that they were made for, in its order; a new list needs new ones.
 ///
-/// Equal trees are apart in time by where they stand: each is in one of a few phases, and one at
-/// the root's origin is in the first, in which everything is where its rig has it at the time.
+/// Equal trees are apart in time by where they stand: each is in one of a few phases, as likely any,
+/// and one at the root's origin is in the first, in which everything is where its rig has it at the
+/// time. What is moved elsewhere is in another phase when its new list has new poses.
 #[derive(Clone, Debug)]
 pub struct Poses {
     n_phases: u8,
@@ -44,8 +45,8 @@ struct Placed {
     body: u32,
     /// From the root's frame to the body's; nothing where that is flat.
     to_body: Option<Affine3>,
-    /// How far along the phases it is by where it stands: from 0 up to 1.
-    along: f32,
+    /// What tells its phase, by where it stands: a number that is as likely any.
+    drawn: u32,
     /// Which of the body's variants is seen here; nothing where it is at rest.
     variant: Option<u32>,
 }
@@ -84,8 +85,8 @@ impl Poses {
         let occurrences = list.occurrences.iter().map(|occurrence| {
             let to_body = occurrence.world.inverse();
             let to_body = to_body.is_finite().then_some(to_body);
-            let along = along_the_phases(occurrence.world.translation);
-            Placed { body: occurrence.body, to_body, along, variant: None }
+            let drawn = drawn_by(occurrence.world.translation);
+            Placed { body: occurrence.body, to_body, drawn, variant: None }
         });
         Self {
             n_phases: PHASES,
@@ -102,7 +103,7 @@ impl Poses {
 
     /// Moves everything to where it is in this wind at a time in seconds, as far as that can be
     /// seen by an eye in the root's frame; without one, from nearby. Allocates nothing, unless
-    /// other levels move than ever before.
+    /// other levels of a body move, or others in a phase, than ever before.
     pub fn update(&mut self, wind: Wind, time: f64, eye: Option<&Eye>) -> Moved {
         let mut moved = Moved::default();
         for posing in self.bodies.iter_mut().flatten() {
@@ -114,8 +115,9 @@ impl Poses {
             let (Some(Some(posing)), Some(to_body)) = (body, &placed.to_body) else { continue };
             let levels = posing.moving(wind, eye, to_body);
             if !levels.is_empty() {
-                let phase = (placed.along * f32::from(self.n_phases)) as u8;
-                placed.variant = Some(posing.variant(levels, phase.min(self.n_phases - 1)));
+                // The upper half of a product of 32 bits each is below the other factor.
+                let phase = (u64::from(placed.drawn) * u64::from(self.n_phases)) >> 32;
+                placed.variant = Some(posing.variant(levels, phase as u8));
                 moved.n_occurrences += 1;
                 moved.levels = moved.levels.union(levels);
             }
@@ -213,12 +215,11 @@ impl Posing {
     }
 }
 
-/// From 0 up to 1 by a place in the root's frame, 0 at its origin, and far apart for places that are
-/// near each other: shares of the plastic ratio's powers, which fill a circle evenly.
-fn along_the_phases(place: Vec3) -> f32 {
-    let along = place.dot(Vec3::new(0.754_877_7, 0.324_717_9, 0.569_840_3));
-    let along = along - along.floor();
-    if (0.0..1.0).contains(&along) { along } else { 0.0 }
+/// A number that is as likely any, by a place in the root's frame; 0 at its origin. Places within a
+/// centimetre may have the same.
+fn drawn_by(place: Vec3) -> u32 {
+    let centimetres = (place * 100.0).round().as_i64vec3().to_array();
+    if centimetres == [0; 3] { 0 } else { Digest::of(&centimetres).bits() as u32 }
 }
 
 /// For each level that sways how far it carries anything, where the wind's shares add up to 1, and

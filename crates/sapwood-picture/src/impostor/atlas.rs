@@ -5,6 +5,7 @@ use sapwood_geom::Image;
 use sapwood_geom::glam::{Vec2, Vec3};
 
 use super::LEAST_COVERAGE;
+use crate::PictureError;
 use crate::film::{Encoding, linear_of_srgb};
 
 /// Places in each pixel, along each edge, at which coverage is looked at between pixels.
@@ -19,6 +20,9 @@ const LARGEST_FACTOR: f32 = 32.0;
 /// By how much colours are corrected at most.
 const LARGEST_CORRECTION: f32 = 1.5;
 
+/// Pixels along an edge of the image: what graphics hardware takes.
+const MOST_PIXELS: u32 = 16_384;
+
 /// Images side by side.
 pub(super) struct Atlas {
     cell: [u32; 2],
@@ -30,14 +34,22 @@ pub(super) struct Atlas {
 
 impl Atlas {
     /// Room for so many cells, about as wide as high.
-    pub(super) fn new(cell: [u32; 2], n_cells: u32) -> Self {
+    ///
+    /// # Errors
+    /// When the image would have an edge of more than [`MOST_PIXELS`].
+    pub(super) fn new(cell: [u32; 2], n_cells: u32) -> Result<Self, PictureError> {
         let [width, height] = cell;
         let area = f64::from(width) * f64::from(height) * f64::from(n_cells);
         let columns = libm::round(libm::sqrt(area) / f64::from(width)) as u32;
         let columns = columns.clamp(1, n_cells.max(1));
         let rows = n_cells.div_ceil(columns);
+        let longest = (columns * width).max(rows * height);
+        if longest > MOST_PIXELS {
+            let (name, accepted) = ("pixels along an edge of all images together", "8 to 16384");
+            return Err(PictureError::Impostor { name, value: longest, accepted });
+        }
         let image = Image::from_fn(columns * width, rows * height, |_, _| [0; 4]);
-        Self { cell, columns, image, encoding: Encoding::new() }
+        Ok(Self { cell, columns, image, encoding: Encoding::new() })
     }
 
     fn corner(&self, number: u32) -> [u32; 2] {
@@ -256,7 +268,7 @@ mod tests {
 
     #[test]
     fn cells_lie_side_by_side() {
-        let mut atlas = Atlas::new([8, 16], 5);
+        let mut atlas = Atlas::new([8, 16], 5).unwrap();
         assert_eq!((atlas.columns, atlas.image.width, atlas.image.height), (3, 24, 32));
         let grey = Image::from_fn(8, 16, |_, _| [90, 90, 90, 255]);
         atlas.put(4, &grey);

@@ -62,7 +62,14 @@ impl Points {
         }
         for (world, row) in list.placed_lines() {
             for line in row.lines.iter() {
-                points.extend(line.points.iter().map(|point| world.transform_point3(*point)));
+                let ball = |at: usize| {
+                    let radius = line.radii.get(at).copied().unwrap_or(0.0);
+                    let along = move |axis: Vec3| [axis * radius, axis * -radius];
+                    [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(along)
+                };
+                let balls = line.points.iter().enumerate();
+                let balls = balls.flat_map(|(at, point)| ball(at).map(move |by| *point + by));
+                points.extend(balls.map(|point| world.transform_point3(point)));
             }
         }
         points.retain(|point| point.is_finite());

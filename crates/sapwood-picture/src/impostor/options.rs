@@ -4,7 +4,7 @@ use std::f32::consts::TAU;
 
 use sapwood_geom::glam::Vec3;
 
-use crate::{PictureError, PictureOptions, Sky, Sun};
+use crate::{Background, PictureError, PictureOptions, Sky, Sun};
 
 /// How impostors are made.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,7 +36,8 @@ pub enum ImpostorLight {
         sky: Sky,
     },
     /// White light from all sides alike: images show the surfaces' own colours, and the shade that
-    /// they throw on each other. The boards are lit by what light there is, as boards are.
+    /// they throw on each other. The boards are lit by what light there is, as boards are. Lights
+    /// that the view itself has shine in the images too.
     Even,
 }
 
@@ -93,11 +94,19 @@ impl ImpostorOptions {
         Ok(())
     }
 
+    /// Pictures of this size.
+    pub(super) fn picture_options(&self, size: [u32; 2]) -> PictureOptions {
+        PictureOptions {
+            size,
+            samples: self.samples,
+            background: Background::Transparent,
+            ..self.light.picture_options()
+        }
+    }
+
     /// How many boards are drawn where nobody tells the eye: two crossed ones, seen from both
     /// sides, which come first.
-    pub(super) fn n_crossed(&self) -> u32 {
-        4
-    }
+    pub(super) const CROSSED: u32 = 4;
 
     /// The directions that it is seen from, with unit length.
     pub(super) fn directions(&self) -> Vec<Vec3> {
@@ -107,8 +116,8 @@ impl ImpostorOptions {
             Vec3::new(sine * along, up, cosine * along).normalize()
         };
         // Every quarter first.
-        let quarter = self.sides / 4;
-        let crossed = (0..4).map(|turn| turn * quarter);
+        let quarter = self.sides / Self::CROSSED;
+        let crossed = (0..Self::CROSSED).map(|turn| turn * quarter);
         let others = (0..self.sides).filter(|side| side % quarter != 0);
         let level = crossed.chain(others).map(|side| at(side, self.sides, 0.0));
         let upper = (0..self.upper_sides).map(|side| at(side, self.upper_sides, Self::STEEPNESS));

@@ -131,6 +131,14 @@ impl LeafParams {
         Self { quality: self.quality * share, ..self.clone() }
     }
 
+    /// These with leaves as long as the longest of any level once a share is left of those that are
+    /// no fans.
+    pub(crate) fn longest_thinned(&self, share: f32) -> Self {
+        let is_thinned = self.on_levels.iter().chain([&self.count]).any(|count| *count > 0);
+        let longest = Self { count: if is_thinned { 1 } else { -1 }, ..self.clone() };
+        Self { count: self.count, ..longest.thinned(share) }
+    }
+
     /// These with all that growth does not ask for set to what they say of no species: two that
     /// are equal then have leaves in the same places.
     pub fn of_growth(&self) -> Self {
@@ -152,5 +160,25 @@ impl LeafParams {
     /// The width of a leaf in metres.
     pub fn width(&self) -> f32 {
         self.scale_x * self.length()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_leaf_is_longer_than_the_longest_whatever_is_a_fan() {
+        for (last, below) in [(-7, 20), (20, -7), (-7, -7), (20, 20), (-7, 0), (0, -7)] {
+            let mut species = Species::default();
+            species.leaves.count = last;
+            species.level[1].leaves = below;
+            let leaves = LeafParams::new(&species);
+            let longest = leaves.longest_thinned(0.25).length();
+            let of_level = |level| leaves.on_level(level, species.levels).thinned(0.25);
+            let lengths = (0..species.levels as u8).map(of_level).filter(|on| on.count != 0);
+            let most = lengths.map(|on| on.length()).fold(0.0, f32::max);
+            assert_eq!(longest, most, "{last} {below}");
+        }
     }
 }

@@ -8,7 +8,8 @@ use sapwood_graph::{Impostor, Named};
 use crate::{Component, Context, MaterialSlot, Rule, RuleError, Style, StyleSlot};
 
 /// A finished [`Impostor`], as the last child of a [`LevelOfDetail`](crate::LevelOfDetail) beside
-/// what it stands for. It shows the aspect that the view's [`Viewer`](crate::Viewer) would see.
+/// what it stands for. It shows the aspect that the view's [`Viewer`](crate::Viewer) would see; as
+/// wires, the edges of those that are there for no eye.
 #[derive(Clone, Debug)]
 pub struct HeldImpostor {
     /// The boards.
@@ -43,7 +44,10 @@ impl Rule for HeldImpostorRule {
                 let material = cx.own_or_forced::<MaterialSlot>(Arc::clone(material));
                 cx.aspects(aspects.clone(), |cx| cx.mesh(mesh.clone(), material));
             }
-            Style::Wire | Style::Skeleton => cx.lines(Shared::new(mesh.edges())),
+            Style::Wire | Style::Skeleton => {
+                let shown = aspects.drawn(mesh.n_triangles() as u32, None);
+                cx.lines(Shared::new(mesh.part(shown.numbers()).edges()));
+            }
         }
         Ok(())
     }

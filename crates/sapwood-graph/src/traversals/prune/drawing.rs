@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use sapwood_geom::glam::Affine3;
-use sapwood_geom::{FixedMap, Side, fixed_state};
+use sapwood_geom::{FixedMap, Shared, SharedMesh, Side, fixed_state};
 
 use super::meter::Meter;
 use super::remaining::{of_instances, of_lines, of_mesh};
@@ -12,7 +12,7 @@ use crate::traversals::draw_list::{Builder, Top};
 use crate::traversals::{
     Body, CameraRow, DrawList, DrawRow, LabelRow, LightRow, LineRow, Occurrence, TooManyRows,
 };
-use crate::{At, LightShape, Limiter, Material, RenderNode, Supply};
+use crate::{At, LightShape, Limiter, Material, RenderNode, Supply, Vantage};
 
 /// What remains, in the making.
 pub(super) struct Drawing<'a> {
@@ -72,17 +72,24 @@ impl<'a> Drawing<'a> {
     ) -> Result<(), TooManyRows> {
         let (local, envelope) = (*at.world(), &pruning.prune.envelope);
         let fragment = at.plan().fragment;
-        // What is cut does not fade: it is there as from nearby, and from all sides.
+        // What is cut does not fade: it is there as from nearby, and as for no eye.
         let n_drawn = fragment.n_drawn(at.index());
-        if let (Some(Limiter::Fading(fading)), Some(n)) = (fragment.limiter_of(at.index()), n_drawn)
-            && fading.drawn(n as u32, 0.0).is_empty()
-        {
-            return Ok(());
+        let mut aspects = None;
+        if let (Some(limiter), Some(n)) = (fragment.limiter_of(at.index()), n_drawn) {
+            let range = limiter.drawn(n as u32, &Vantage::default());
+            if range.is_empty() {
+                return Ok(());
+            }
+            // Parts are told of all aspects together.
+            let is_part = matches!(limiter, Limiter::Aspects(_)) && (range.len() as usize) < n;
+            aspects = (is_part && fragment.shown(at.index()).is_none()).then_some(range);
         }
         let is_here = || at.state().side() == Side::Inside || envelope.contains(local.translation);
         match at.node() {
             RenderNode::Mesh { mesh, material } => {
-                let Some(mesh) = of_mesh(pruning, meter, at, mesh) else { return Ok(()) };
+                let part = aspects.map(|range| SharedMesh::new(mesh.part(range.numbers())));
+                let mesh = of_mesh(pruning, meter, at, part.as_ref().unwrap_or(mesh));
+                let Some(mesh) = mesh else { return Ok(()) };
                 let material = Arc::clone(material);
                 self.add(at, |body| {
                     let (instances, range, follows) = (None, None, None);
@@ -90,6 +97,8 @@ impl<'a> Drawing<'a> {
                 })
             }
             RenderNode::Instances { mesh, material, transforms } => {
+                let part = aspects.map(|range| Shared::new(range.of(transforms).to_vec()));
+                let transforms = part.as_ref().unwrap_or(transforms);
                 for (mesh, instances) in of_instances(pruning, meter, at, mesh, transforms) {
                     let material: Arc<Material> = Arc::clone(material);
                     self.add(at, |body| {
@@ -107,7 +116,9 @@ impl<'a> Drawing<'a> {
                 Ok(())
             }
             RenderNode::Lines(lines) => {
-                let Some(lines) = of_lines(pruning, at, lines) else { return Ok(()) };
+                let part = aspects.map(|range| Shared::new(range.of(lines).to_vec()));
+                let lines = of_lines(pruning, at, part.as_ref().unwrap_or(lines));
+                let Some(lines) = lines else { return Ok(()) };
                 let material = fragment.line_material(at.index()).cloned();
                 self.add(at, |body| {
                     body.lines.push(LineRow { local, lines, material, range: None });

@@ -7,6 +7,9 @@ use crate::weber_penn::{Stem, TrunkForm};
 /// The most sides that a cross-section has.
 const MOST_SIDES: f32 = 4096.0;
 
+/// The most pieces that a stem's surface has along it.
+const MOST_PIECES: u32 = 4096;
+
 /// How finely stems are meshed, and how many leaves stand for all.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Detail {
@@ -36,10 +39,10 @@ content!(Detail { smooth, sides, rings, ends, leaves, image_size, closed_foot, l
 /// How finely the stems of one level are meshed by somebody's own wish.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LevelDetail {
-    /// Sides of the cross-section, at least 3, before [`Detail::sides`] scales them. A stem that
+    /// Sides of the cross-section, 3 to 4096, before [`Detail::sides`] scales them. A stem that
     /// splits has at least 4.
     pub sides: Option<u32>,
-    /// Pieces that the surface has along a whole stem, at least 1, instead of one for each segment
+    /// Pieces that the surface has along a whole stem, 1 to 4096, instead of one for each segment
     /// that grew; [`Detail::ends`] thins them as it does those. There are more where the profile is
     /// curved or clones leave, and fewer where two would be drawn into each other at a bend.
     pub segments: Option<u32>,
@@ -80,7 +83,7 @@ impl Detail {
     /// about 12, 6, 4 and 3, more where a branch is thick; or as many as its level
     /// [asks for](LevelDetail).
     pub fn n_sides(&self, level: u8, radius: f32) -> u32 {
-        let factor = self.sides.clamp(0.0, 64.0);
+        let factor = if self.sides > 0.0 { self.sides.min(64.0) } else { 0.0 };
         if let Some(sides) = self.of_level(level).sides {
             return (sides as f32 * factor).clamp(3.0, MOST_SIDES) as u32;
         }
@@ -108,7 +111,7 @@ impl Detail {
     /// How many pieces the surface has along segment `i` of a whole stem, where somebody has wished
     /// for a number of them: none where it has no ring at the segment's end.
     pub(super) fn n_pieces(&self, stem: &Stem, i: u32) -> Option<u32> {
-        let wished = self.of_level(stem.seed.level).segments?;
+        let wished = self.of_level(stem.seed.level).segments?.min(MOST_PIECES);
         let n = if stem.seed.level < 2 {
             wished
         } else {

@@ -48,11 +48,11 @@ impl Rounding {
     }
 }
 
-/// A leaf's mesh at all its places, with rounded normals. Sheets turn the side outward that points
-/// there anyway, for whoever draws both sides turns the normals of the back.
+/// A leaf's mesh at all its places, with rounded normals. Sheets that may turn have the side outward
+/// that points there anyway, for whoever draws both sides turns the normals of the back.
 pub(crate) fn rounded_leaves(
     leaf: &Mesh,
-    is_closed: bool,
+    turns: bool,
     places: &[Affine3],
     rounding: &Rounding,
 ) -> Mesh {
@@ -65,7 +65,7 @@ pub(crate) fn rounded_leaves(
     };
     for place in places {
         let outward = rounding.outward(place.translation);
-        let is_turned = !is_closed && place.matrix3.y_axis.dot(outward) < 0.0;
+        let is_turned = turns && place.matrix3.y_axis.dot(outward) < 0.0;
         let (first, first_index) = (mesh.positions.len(), mesh.indices.len());
         mesh.append(leaf, place);
         let positions = &mesh.positions[first..];
@@ -115,7 +115,7 @@ mod tests {
                 Affine3::from_rotation_translation(glam::Quat::from_rotation_x(angle), place)
             })
             .collect();
-        let none = rounded_leaves(&leaf, false, &places, &rounding(0.0));
+        let none = rounded_leaves(&leaf, true, &places, &rounding(0.0));
         let mut n_turned = 0;
         for (number, place) in places.iter().enumerate() {
             let outward = rounding(0.0).outward(place.translation);
@@ -126,7 +126,7 @@ mod tests {
         }
         assert!((5..35).contains(&n_turned), "{n_turned}");
         for share in [0.4, 1.0] {
-            let mesh = rounded_leaves(&leaf, false, &places, &rounding(share));
+            let mesh = rounded_leaves(&leaf, true, &places, &rounding(share));
             assert_eq!(mesh.fault(), None);
             assert_eq!((&mesh.positions, &mesh.indices), (&none.positions, &none.indices));
             for (normal, position) in mesh.normals.iter().zip(&mesh.positions) {
@@ -140,7 +140,7 @@ mod tests {
     fn bodies_keep_their_outside() {
         let ball = leaf_mesh(LeafShape::Sphere);
         let places = [Affine3::from_rotation_x(3.0)];
-        let mesh = rounded_leaves(&ball, true, &places, &rounding(0.5));
+        let mesh = rounded_leaves(&ball, false, &places, &rounding(0.5));
         assert_eq!(mesh.indices, ball.indices);
         assert_eq!(ends_of_leaves(&ball, 3), [20, 40, 60]);
         assert_eq!(for_vertices(&leaf_mesh(LeafShape::Triangle), &[4, 9]), [4, 4, 4, 9, 9, 9]);

@@ -134,9 +134,10 @@ impl Rule for FadingLeavesRule {
                 let carried = Carried::of(&of.stems, range.is_none(), cx);
                 let segments = carried.is_some().then(|| evenly_ordered_leaves(&segments_of(of)));
                 for (fading, mesh) in both {
-                    let (closed, segments) = (meshes.is_closed, segments.as_deref());
+                    let segments = segments.as_deref();
+                    let turns = meshes.turn_with(&foliage);
                     let write = |places: &[Affine3]| {
-                        WrittenLeaves::new(&mesh, closed, places, &rounding, segments)
+                        WrittenLeaves::new(&mesh, turns, places, &rounding, segments)
                     };
                     let Some(range) = range else {
                         let ends = ends_of_leaves(&mesh, transforms.len());

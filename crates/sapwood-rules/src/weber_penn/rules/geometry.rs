@@ -197,6 +197,14 @@ pub(super) struct LeafMeshes {
 
 content!(LeafMeshes { whole, point, is_closed });
 
+impl LeafMeshes {
+    /// Whether either side of a leaf may be turned outward: of bodies, and of what has one side alone,
+    /// the other would be seen from within.
+    pub(super) fn turn_with(&self, foliage: &Material) -> bool {
+        !self.is_closed && foliage.double_sided
+    }
+}
+
 impl Rule for LeafModelRule {
     type Component = LeafModel;
     type Data = LeafMeshes;
@@ -313,13 +321,13 @@ impl WrittenLeaves {
     /// Leaves of these meshes at these places, with their normals rounded.
     pub(super) fn new(
         leaf: &Mesh,
-        is_closed: bool,
+        turns: bool,
         places: &[Affine3],
         rounding: &Rounding,
         segments: Option<&[u32]>,
     ) -> Self {
         Self {
-            mesh: SharedMesh::new(rounded_leaves(leaf, is_closed, places, rounding)),
+            mesh: SharedMesh::new(rounded_leaves(leaf, turns, places, rounding)),
             ends: ends_of_leaves(leaf, places.len()),
             first: 0,
             follows: segments.map(|segments| for_vertices(leaf, segments)),
@@ -373,8 +381,8 @@ impl Rule for LeafSurfaceRule {
             (Some(foliage), Some(rounding)) => {
                 let carried = Carried::of(&of.stems, true, cx);
                 let segments = carried.is_some().then(|| segments_of(of));
-                let (closed, segments) = (meshes.is_closed, segments.as_deref());
-                let written = WrittenLeaves::new(&mesh, closed, &of.places, &rounding, segments);
+                let (turns, segments) = (meshes.turn_with(&foliage), segments.as_deref());
+                let written = WrittenLeaves::new(&mesh, turns, &of.places, &rounding, segments);
                 written.draw(carried, &foliage, cx, |cx, draw| draw(cx));
             }
             (Some(foliage), None) => {

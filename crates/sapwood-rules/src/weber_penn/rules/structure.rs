@@ -144,7 +144,8 @@ impl Projection for ForeseenReach {
             levels[3] = slots.read::<LevelSlot<3>>();
         }
         let form = slots.read::<TrunkFormSlot>();
-        let leaves = slots.read::<LeavesSlot>().thinned(slots.read::<DetailSlot>().leaves);
+        let share = slots.read::<DetailSlot>().leaves;
+        let leaves = slots.read::<LeavesSlot>().longest_thinned(share);
         let levels = levels.each_ref().map(|level| &**level);
         let reach = Reach::new(&crown, levels, &form, &leaves, self.topped);
         let reach = reach.with_roots(&slots.read::<RootsSlot>(), &crown, levels[0]);
