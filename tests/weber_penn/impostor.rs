@@ -4,7 +4,7 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
-use sapwood::geom::glam::{Affine3, Vec2, Vec3};
+use sapwood::geom::glam::{Affine3, UVec2, Vec2, Vec3};
 use sapwood::geom::{Envelope, Image};
 use sapwood::graph::{Alpha, Eye, Impostor, Lens, Prune};
 use sapwood::picture::{
@@ -71,9 +71,21 @@ fn picture(scene: &mut Scene, view: ViewId, eye: Vec3, target: Vec3, metres: f32
     studio.picture(&camera, &options, &mut |_| ControlFlow::Continue(())).unwrap().image
 }
 
+/// The middle of what is covered, in pixels.
+fn middle(image: &Image) -> Vec2 {
+    let (mut n, mut sum) = (0.0f32, Vec2::ZERO);
+    for (number, [.., a]) in (0..).zip(&image.pixels) {
+        let place = UVec2::new(number % image.width, number / image.width);
+        n += f32::from(*a);
+        sum += f32::from(*a) * place.as_vec2();
+    }
+    sum / n
+}
+
 /// From 600 m, through a telescope that shows the tree 112 pixels high, beside the tree itself: the
-/// impostor is the farthest of two levels of detail.
-fn check_like_the_tree(name: &str, options: ImpostorOptions, from: &[Vec3]) {
+/// impostor is the farthest of two levels of detail. Covered pixels may differ by 5 %, each channel of the
+/// mean colour by `most`.
+fn check_like_the_tree(name: &str, options: ImpostorOptions, from: &[Vec3], most: f64) {
     // Check mode would compile all of it for each picture.
     let mut tree = planted_in(Scene::new(), &built_in(name), 1);
     let plain = tree.view;
@@ -87,31 +99,35 @@ fn check_like_the_tree(name: &str, options: ImpostorOptions, from: &[Vec3]) {
     scene.add_to(levels, HeldImpostor { impostor: made }).unwrap();
     let view = scene.open_view(species, &sapwood::standard_rules()).unwrap();
 
-    let (middle, metres) = (aabb.center(), aabb.size().max_element() * 8.0 / 7.0);
+    let (center, metres) = (aabb.center(), aabb.size().max_element() * 8.0 / 7.0);
     let mut worst = (0.0f64, 0.0f64);
     for (side, from) in from.iter().enumerate() {
         let eye = *from * 600.0 + Vec3::Y * 1.7;
         scene.set_held::<Viewpoint>(view, Some(eye)).unwrap();
-        let board = covered(&picture(scene, view, eye, middle, metres));
+        let board = picture(scene, view, eye, center, metres);
         if side == 0 {
             let n_trees = scene.count(view).unwrap().components_of("tree");
             assert_eq!(n_trees, 0, "what is not shown is not compiled");
             assert_eq!(scene.draw_list(view, 100).unwrap().n_vertices_and_triangles().1, 2);
         }
-        let full = covered(&picture(scene, plain, eye, middle, metres));
+        let full = picture(scene, plain, eye, center, metres);
+        let apart = middle(&board).distance(middle(&full));
+        assert!(apart < 2.0, "{name} from {from}: {apart} pixels aside");
+        let (board, full) = (covered(&board), covered(&full));
         let off = |a: f64, b: f64| (a / b - 1.0).abs();
         let colors = board.1.into_iter().zip(full.1).map(|(a, b)| off(a, b));
         worst.0 = worst.0.max(off(board.0, full.0));
-        worst.1 = colors.fold(worst.1, f64::max);
+        let color = colors.fold(0.0, f64::max);
+        println!("{name} from {from}: {:.4}, {color:.4}", off(board.0, full.0));
+        worst.1 = worst.1.max(color);
     }
-    println!("{name}: covered pixels differ by {:.4}, colours by {:.4}", worst.0, worst.1);
     assert!(worst.0 < 0.05, "{name}: covered pixels differ by {}", worst.0);
-    assert!(worst.1 < 0.05, "{name}: mean colours differ by {}", worst.1);
+    assert!(worst.1 < most, "{name}: mean colours differ by {}", worst.1);
 }
 
 #[test]
 fn from_afar_an_impostor_of_an_aspen_looks_like_it() {
-    check_like_the_tree("quaking_aspen", level(), &sides());
+    check_like_the_tree("quaking_aspen", level(), &sides(), 0.05);
 }
 
 #[test]
@@ -120,12 +136,14 @@ fn an_impostor_looks_like_its_tree_from_above_too() {
     let halfway = |angle: f32| Vec3::new(angle.sin() * along, up, angle.cos() * along);
     let from = [Vec3::X, halfway(0.1), halfway(2.3), halfway(-1.5), Vec3::Y];
     let options = ImpostorOptions { sides: 4, ..ImpostorOptions::default() };
-    check_like_the_tree("lombardy_poplar", options, &from);
+    // It leans, and has no two sides that are alike. Its fronds are so fine that in the shade their
+    // colours come out a quarter darker.
+    check_like_the_tree("palm", options, &from, 0.3);
 }
 
 #[test]
 fn from_afar_an_impostor_of_a_black_tupelo_looks_like_it() {
-    check_like_the_tree("black_tupelo", level(), &sides());
+    check_like_the_tree("black_tupelo", level(), &sides(), 0.05);
 }
 
 #[test]
@@ -206,8 +224,8 @@ fn an_impostor_shows_the_side_that_is_looked_at_and_two_crossed_boards_to_nobody
     scene.set_held::<StyleSlot>(view, Style::Wire).unwrap();
     let list = scene.draw_list(view, 9).unwrap();
     let n_lines: usize = list.placed_lines().map(|(_, row)| row.drawn().len()).sum();
-    // Five edges of each of four boards; each is a line.
-    assert_eq!((n_triangles(scene), n_lines), (0, 20));
+    // One around each of the crossed boards.
+    assert_eq!((n_triangles(scene), n_lines), (0, 4));
 }
 
 #[test]

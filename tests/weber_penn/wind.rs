@@ -221,7 +221,7 @@ fn rows_of_equal_trees(step: (f32, f32)) -> DrawList {
         scene.append(place, tree).unwrap();
     }
     let view = scene.open_view(family, &sapwood::swaying_rules()).unwrap();
-    scene.draw_list(view, 1000).unwrap()
+    scene.draw_list(view, 10_000).unwrap()
 }
 
 const SIDE: usize = 10;
