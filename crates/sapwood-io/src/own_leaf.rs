@@ -144,7 +144,7 @@ mod tests {
             assert!(error.contains("leaf.glb"), "{error}");
         };
         check(&[], "without triangles");
-        check(&[(maple(1.0), red.clone()), (maple(1.0), green)], "2 materials");
+        check(&[(maple(1.0), red.clone()), (maple(1.0), green)], "several materials");
         check(&[(maple(-1.0), red)], "beyond its origin along +z");
         let error = read_leaf_mesh("no-such-leaf.glb").unwrap_err().to_string();
         assert!(error.starts_with("no-such-leaf.glb: cannot be read: "), "{error}");
