@@ -47,6 +47,15 @@ impl Aabb {
         if self.is_empty() { Vec3::ZERO } else { self.max - self.min }
     }
 
+    /// The eight corners; meaningless for an empty box.
+    pub fn corners(&self) -> [Vec3; 8] {
+        let ends = [self.min, self.max];
+        std::array::from_fn(|corner| {
+            let side = |axis: usize| ends[corner >> axis & 1][axis];
+            Vec3::new(side(0), side(1), side(2))
+        })
+    }
+
     /// Whether the two boxes share a point; an empty box shares none.
     pub fn intersects(&self, other: &Self) -> bool {
         self.min.cmple(other.max).all() && self.max.cmpge(other.min).all()

@@ -86,12 +86,8 @@ impl PlacedCamera {
         let half = (aabb.max - aabb.min) * 0.5;
         // Something without extent is looked at as if it were small.
         let half = if half.max_element() > 0.0 { half } else { Vec3::splat(0.5) };
-        let corners: Vec<Vec3> = (0..8)
-            .map(|i| {
-                let side = |axis: u32| if i >> axis & 1 == 0 { -1.0 } else { 1.0 };
-                axes.transpose() * (half * Vec3::new(side(0), side(1), side(2)))
-            })
-            .collect();
+        let around_center = Aabb { min: -half, max: half };
+        let corners = around_center.corners().map(|corner| axes.transpose() * corner);
         let inner = 1.0 - 2.0 * margin;
         let (lens, offset) = match lens {
             Lens::Perspective { vertical_angle } => {
@@ -225,10 +221,7 @@ mod tests {
     /// The picture's part that a box covers, as shares from the left, right, top and bottom.
     fn margins(camera: &PlacedCamera, aabb: &Aabb, size: [u32; 2]) -> [f32; 4] {
         let mut margins = [f32::INFINITY; 4];
-        for i in 0..8 {
-            let [a, b] = [aabb.min, aabb.max];
-            let pick = |axis: usize| if i >> axis & 1 == 0 { a[axis] } else { b[axis] };
-            let corner = Vec3::new(pick(0), pick(1), pick(2));
+        for corner in aabb.corners() {
             let [x, y] = camera.pixel_of(corner, size).unwrap();
             let [w, h] = size.map(|pixels| pixels as f32);
             for (margin, share) in margins.iter_mut().zip([x / w, 1.0 - x / w, y / h, 1.0 - y / h])

@@ -17,7 +17,7 @@ use sapwood::geom::glam::Vec3;
 use sapwood::geom::{Envelope, Mesh, Solid};
 use sapwood::graph::{Everything, Order, WeldReport, WeldUnion, WeldedUnion};
 use sapwood::rules::weber_penn::{Seed, Tree};
-use sapwood::scene::{EnvelopeSlot, Scene, ViewId};
+use sapwood::scene::{Attribute, EnvelopeSlot, Handle, Scene, ViewId};
 
 use wood::Wood;
 
@@ -59,13 +59,19 @@ fn welded(scene: &mut Scene, view: ViewId, weld: &mut WeldUnion) -> (WeldedUnion
     (welded, cpu_seconds() - cpu)
 }
 
-fn edit_row(name: &str, seed: u64) -> String {
+/// A tree below its species, and a view of it.
+fn planted(name: &str, seed: u64) -> (Scene, Handle<Attribute>, ViewId) {
     let species = sapwood::io::find_species(name).expect("the species is built in");
     let mut scene = Scene::new();
     let family = scene.add(species.attribute());
     let tree = Tree { seed: Seed::Explicit(seed) };
     scene.add_to(family, tree).expect("an attribute has no other child");
     let view = scene.open_view(family, &sapwood::standard_rules()).expect("the family is there");
+    (scene, family, view)
+}
+
+fn edit_row(name: &str, seed: u64) -> String {
+    let (mut scene, family, view) = planted(name, seed);
     let mut at = scene.bounds(view).expect("nobody interrupts").aabb.max.x;
     let mut weld = WeldUnion::new();
     let (first, cold) = welded(&mut scene, view, &mut weld);
@@ -88,12 +94,7 @@ fn cpu_seconds() -> f64 {
 }
 
 fn row(name: &str, seed: u64) -> String {
-    let species = sapwood::io::find_species(name).expect("the species is built in");
-    let mut scene = Scene::new();
-    let family = scene.add(species.attribute());
-    let tree = Tree { seed: Seed::Explicit(seed) };
-    scene.add_to(family, tree).expect("an attribute has no other child");
-    let view = scene.open_view(family, &sapwood::standard_rules()).expect("the family is there");
+    let (mut scene, _, view) = planted(name, seed);
     let list = scene.draw_list(view, usize::MAX).expect("nobody interrupts");
 
     let (start, cpu) = (Instant::now(), cpu_seconds());

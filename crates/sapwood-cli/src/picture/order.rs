@@ -76,11 +76,9 @@ impl Extent {
             match &row.instances {
                 None => row.mesh.positions.iter().for_each(|p| reach(world.transform_point3(*p))),
                 Some(instances) => {
-                    let Aabb { min, max } = row.mesh.bound().aabb;
+                    let corners = row.mesh.bound().aabb.corners();
                     for instance in instances.iter() {
-                        for corner in 0..8 {
-                            let side = |axis: usize| [min, max][corner >> axis & 1][axis];
-                            let corner = Vec3::new(side(0), side(1), side(2));
+                        for corner in corners {
                             reach(world.transform_point3(instance.transform_point3(corner)));
                         }
                     }

@@ -396,7 +396,7 @@ mod tests {
             let [a, b, c] = parts[*part as usize].corners(source.unwrap() as usize);
             let normal = (b - a).cross(c - a).normalize();
             for corner in first.solid.corners(triangle) {
-                // Mending may move a corner in each of the four groups that it goes through.
+                // Mending may move a corner by a millimetre in all; the rest is single precision.
                 assert!((corner - a).dot(normal).abs() < 1.1e-3);
             }
         }

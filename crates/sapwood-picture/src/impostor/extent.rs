@@ -42,18 +42,13 @@ impl Points {
         let list = list.as_drawn();
         let mut points = Vec::new();
         for (world, row) in list.placed_rows() {
-            let Aabb { min, max } = row.mesh.bound().aabb;
-            let corners = (0..8).map(|corner: usize| {
-                let side = |axis: usize| [min, max][corner >> axis & 1][axis];
-                Vec3::new(side(0), side(1), side(2))
-            });
             // Of what is repeated, boxes will do where they are simpler.
-            let boxed: Vec<Vec3> = corners.collect();
-            let mesh = &row.mesh.positions;
+            let boxed = row.mesh.bound().aabb.corners();
+            let mesh = row.mesh.positions.as_slice();
             match &row.instances {
                 None => points.extend(mesh.iter().map(|point| world.transform_point3(*point))),
                 Some(places) => {
-                    let each = if mesh.len() > 8 { &boxed } else { mesh };
+                    let each = if mesh.len() > boxed.len() { &boxed } else { mesh };
                     for place in places.iter().map(|place| world * *place) {
                         points.extend(each.iter().map(|point| place.transform_point3(*point)));
                     }

@@ -8,6 +8,8 @@ use glam::{Affine3, Vec2, Vec3};
 use sapwood_geom::{Image, Mesh, Shared, SharedMesh, content};
 use sapwood_graph::{Alpha, Material};
 
+use crate::weber_penn::look::BESIDE_MIDRIB;
+
 /// A mesh that stands for one leaf, whatever it shows: a leaf, a flower, a fruit.
 ///
 /// It is given in any unit, in the frame that glTF files have: the origin is where the stalk ends,
@@ -181,12 +183,12 @@ pub(crate) fn spot(mesh: &Mesh, image: Option<&Image>) -> Vec2 {
     let triangles = mesh.indices.chunks_exact(3).map(area_and_middle);
     let shown = triangles.filter(|(_, uv)| is_there(*uv));
     let largest = shown.max_by(|(a, _), (b, _)| a.total_cmp(b));
-    largest.map_or(Vec2::new(0.4, 0.5), |(_, uv)| uv)
+    largest.map_or(BESIDE_MIDRIB, |(_, uv)| uv)
 }
 
 /// Where on a card of its own an image is not cut out: as near beside its middle as can be.
 pub(crate) fn spot_of_card(image: &Image) -> Vec2 {
-    let wanted = Vec2::new(0.4, 0.5);
+    let wanted = BESIDE_MIDRIB;
     let (width, height) = (image.width, image.height);
     let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
     let place = |(x, y): (u32, u32)| {
