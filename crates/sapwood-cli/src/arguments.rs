@@ -204,7 +204,7 @@ pub(crate) struct GrowArguments {
     /// too. May be given several times; each cuts
     #[arg(long, value_name = "SHAPE", allow_hyphen_values = true)]
     pub(crate) cut: Vec<Shape>,
-    /// Weld the wood before it is written; stem not with --cut, whose caps belong to no segment
+    /// Weld the wood before it is written; with --cut what is left of it
     #[arg(long, value_enum)]
     pub(crate) weld: Option<Weld>,
     /// Draw what is left of the tree at this distance, in metres, as the paper has trees fade: fewer

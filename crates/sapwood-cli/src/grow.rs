@@ -111,7 +111,7 @@ fn grown(arguments: &GrowArguments, watch: &Watch) -> Result<Summary, Failure> {
     match arguments.weld {
         None => {}
         Some(Weld::Stem) => {
-            list = steps.time("weld", || weld::stems(&mut scene, view, &list))?;
+            list = steps.time("weld", || weld::stems(&mut scene, view, &list, cut.as_ref()))?;
         }
         Some(Weld::Union) => {
             let max = of.max_triangles;

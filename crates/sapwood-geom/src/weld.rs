@@ -74,6 +74,12 @@ impl Pieces {
     /// Vertices stand in the order in which triangles use them first. A vertex without an
     /// identity, or with a rim that is not there, is left out with its triangles.
     pub fn weld(&self) -> Mesh {
+        self.weld_telling().0
+    }
+
+    /// As [`weld`](Self::weld); tells for each triangle which one of the pieces it was, in ascending
+    /// order.
+    pub fn weld_telling(&self) -> (Mesh, Vec<u32>) {
         let planes = self.joint_planes();
         let mut points = Points { numbers: FixedMap::with_hasher(fixed_state()), sums: Vec::new() };
         let point_of: Vec<Option<u32>> = (0..self.mesh.positions.len())
@@ -87,16 +93,18 @@ impl Pieces {
             })
             .collect();
         let mut welded = Welded::new(points.finish(), self);
-        for corners in self.mesh.indices.chunks_exact(3) {
+        let mut of = Vec::with_capacity(self.mesh.n_triangles());
+        for (triangle, corners) in (0..).zip(self.mesh.indices.chunks_exact(3)) {
             let [a, b, c] = [corners[0], corners[1], corners[2]];
             let [Some(p), Some(q), Some(r)] = [a, b, c].map(|i| point_of[i as usize]) else {
                 continue;
             };
             if p != q && q != r && r != p {
                 welded.add([(a, p), (b, q), (c, r)]);
+                of.push(triangle);
             }
         }
-        welded.finish()
+        (welded.finish(), of)
     }
 
     /// For each joint the plane in which its rims meet.

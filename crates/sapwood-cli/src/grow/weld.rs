@@ -23,13 +23,6 @@ pub(super) fn check(arguments: &GrowArguments) -> Result<(), Failure> {
             output.path().display()
         )));
     }
-    if arguments.weld == Some(Weld::Stem) && !arguments.cut.is_empty() {
-        return Err(Failure::usage(
-            "--weld stem: a cut stem is closed by a cap, which is none of its segments (accepted: \
-             --cut alone, which cuts the same surface; with --weld union; --prune instead)"
-                .to_owned(),
-        ));
-    }
     match (arguments.weld, arguments.tree.detail) {
         (None, _) | (_, Detail::Full | Detail::Draft) | (Some(Weld::Stem), Detail::Segments) => {
             Ok(())
@@ -40,18 +33,31 @@ pub(super) fn check(arguments: &GrowArguments) -> Result<(), Failure> {
                 .to_owned(),
         )),
         (Some(Weld::Union), Detail::Segments) => Err(Failure::usage(
-            "--weld union: segments are open, and solids are joined (accepted: --detail full, \
-             --detail draft)"
+            "--weld union: the segments of --detail segments are open tubes, which enclose nothing that \
+             could be joined (accepted: --detail full, --detail draft; --weld stem)"
                 .to_owned(),
         )),
     }
 }
 
-/// The list with each stem's segments welded to one mesh. The view must have been compiled by
-/// the rules that draw segments.
-pub(super) fn stems(scene: &mut Scene, view: ViewId, list: &DrawList) -> Result<DrawList, Failure> {
+/// The list with each stem's segments welded to one mesh, and cut then, if there is a cut: the list
+/// must be cut too. The view must have been compiled by the rules that draw segments.
+pub(super) fn stems(
+    scene: &mut Scene,
+    view: ViewId,
+    list: &DrawList,
+    cut: Option<&Prune>,
+) -> Result<DrawList, Failure> {
     let mut weld = WeldPieces::new();
-    scene.traverse(view, Order::Pre, &Everything, &mut |at| weld.meet(at))?;
+    match cut {
+        None => scene.traverse(view, Order::Pre, &Everything, &mut |at| weld.meet(at))?,
+        Some(cut) => {
+            let visit = &mut |remaining: &Remaining<'_>, at: &At<'_, Standing>| {
+                weld.meet_remaining(remaining, at);
+            };
+            scene.traverse_pruned(view, cut, &prune_handlers(), visit)?;
+        }
+    }
     Ok(weld.welded(list).0)
 }
 

@@ -33,7 +33,9 @@ impl Named for Welded {
 
 /// Gathers solids in walks, and joins them; keeps what it made for the next walk.
 ///
-/// Call [`meet`](Self::meet) for every node of a walk in pre-order, and then [`join`](Self::join).
+/// Call [`meet`](Self::meet) for every node of a walk in pre-order, and then [`join`](Self::join). A
+/// walk that ends early leaves behind what it has met until then: call [`clear`](Self::clear) before
+/// the next one.
 pub struct WeldUnion {
     handlers: Handlers<Gathered>,
     cut_handlers: Handlers<Gathered, Standing>,
@@ -136,6 +138,12 @@ impl WeldUnion {
         }
     }
 
+    /// Forgets what was gathered since the last [`join`](Self::join), as of a walk that was
+    /// interrupted; what was joined earlier is kept.
+    pub fn clear(&mut self) {
+        self.gathered = Gathered::new();
+    }
+
     /// How many solids were gathered.
     pub fn n_solids(&self) -> usize {
         self.gathered.solids.len()
@@ -147,7 +155,8 @@ impl WeldUnion {
     /// What was joined for earlier lists and was not met any more is forgotten.
     ///
     /// # Errors
-    /// See [`UnionError`].
+    /// See [`UnionError`]. What was gathered is forgotten then too, and what was joined earlier is
+    /// kept.
     pub fn join(
         &mut self,
         list: &DrawList,

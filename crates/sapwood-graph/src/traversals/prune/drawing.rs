@@ -88,7 +88,7 @@ impl<'a> Drawing<'a> {
         match at.node() {
             RenderNode::Mesh { mesh, material } => {
                 let part = aspects.map(|range| SharedMesh::new(mesh.part(range.numbers())));
-                let mesh = of_mesh(pruning, meter, at, part.as_ref().unwrap_or(mesh));
+                let mesh = of_mesh(pruning, meter, at, part.as_ref().unwrap_or(mesh), None);
                 let Some(mesh) = mesh else { return Ok(()) };
                 let material = Arc::clone(material);
                 self.add(at, |body| {

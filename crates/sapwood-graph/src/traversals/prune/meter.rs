@@ -12,7 +12,8 @@ const STEPS: u32 = 1024;
 pub struct PruneLimits<'a> {
     /// Rows that the draw list may have.
     pub rows: usize,
-    /// Triangles that whatever is cut may have afterwards, all together.
+    /// Triangles that whatever is cut may have afterwards, all together; what is cut to stand in for
+    /// that ([`Remaining::solids`](super::Remaining::solids)) may have as many for itself.
     pub triangles: u64,
     /// Asked now and then; ends the work where it answers no.
     pub goes_on: &'a dyn Fn() -> bool,
@@ -21,6 +22,25 @@ pub struct PruneLimits<'a> {
 impl PruneLimits<'_> {
     /// No limits.
     pub const NONE: Self = Self { rows: usize::MAX, triangles: u64::MAX, goes_on: &|| true };
+}
+
+/// Counts what is cut, and apart from that what is cut to stand in for it: of a mesh that is drawn
+/// and a solid in its place only one is there in the end.
+pub(super) struct Meters<'a> {
+    pub(super) drawn: Meter<'a>,
+    pub(super) stand_ins: Meter<'a>,
+}
+
+impl<'a> Meters<'a> {
+    pub(super) fn new(limits: &'a PruneLimits<'a>) -> Self {
+        Self { drawn: Meter::new(limits), stand_ins: Meter::new(limits) }
+    }
+
+    /// Whether the work was ended, at a component of this kind.
+    pub(super) fn outcome(&self, kind: Kind) -> Result<(), Interrupted> {
+        self.drawn.outcome(kind)?;
+        self.stand_ins.outcome(kind)
+    }
 }
 
 /// Counts what is cut.
@@ -53,7 +73,7 @@ impl<'a> Meter<'a> {
     }
 
     /// Whether the work was ended, at a component of this kind.
-    pub(super) fn outcome(&self, kind: Kind) -> Result<(), Interrupted> {
+    fn outcome(&self, kind: Kind) -> Result<(), Interrupted> {
         if self.goes_on() {
             return Ok(());
         }

@@ -30,7 +30,7 @@ use super::{DrawList, TooManyRows};
 use crate::{At, Handlers, Interrupted, Order, Part, Provide, Supply, discover, walk};
 use drawing::Drawing;
 use fate::Fates;
-use meter::Meter;
+use meter::Meters;
 use stand::Within;
 
 /// How to prune.
@@ -159,9 +159,9 @@ pub fn prune_compiled(
 ) -> Result<Result<DrawList, TooManyRows>, Interrupted> {
     let mut drawing = Drawing::new(supply, limits.rows);
     let mut outcome = Ok(());
-    walk_pruned(supply, prune, limits, &mut |pruning, meter, at| {
+    walk_pruned(supply, prune, limits, &mut |pruning, meters, at| {
         if outcome.is_ok() {
-            outcome = visit(pruning, meter, &mut drawing, handlers, at);
+            outcome = visit(pruning, meters, &mut drawing, handlers, at);
         }
     })?;
     Ok(outcome.map(|()| drawing.finish()))
@@ -171,7 +171,7 @@ pub fn prune_compiled(
 /// already: for traversals that make something else than a draw list.
 ///
 /// # Errors
-/// When cutting was interrupted.
+/// When cutting was interrupted; some nodes were visited then, and others not.
 pub fn prune_each(
     supply: &dyn Supply,
     prune: &Prune,
@@ -179,13 +179,13 @@ pub fn prune_each(
     limits: &PruneLimits<'_>,
     visit: &mut dyn FnMut(&Remaining<'_>, &At<'_, Standing>),
 ) -> Result<(), Interrupted> {
-    walk_pruned(supply, prune, limits, &mut |pruning, meter, at| {
+    walk_pruned(supply, prune, limits, &mut |pruning, meters, at| {
         if at.enters_plan() {
             pruning.enter(at);
             handlers.handle(pruning, at);
         }
         if !at.state().is_done() {
-            visit(&Remaining { pruning, meter }, at);
+            visit(&Remaining { pruning, meters }, at);
         }
     })
 }
@@ -194,7 +194,7 @@ fn walk_pruned(
     supply: &dyn Supply,
     prune: &Prune,
     limits: &PruneLimits<'_>,
-    visit: &mut dyn FnMut(&mut Pruning, &Meter<'_>, &At<'_, Standing>),
+    visit: &mut dyn FnMut(&mut Pruning, &Meters<'_>, &At<'_, Standing>),
 ) -> Result<(), Interrupted> {
     let mut pruning = Pruning {
         prune: prune.clone(),
@@ -202,15 +202,15 @@ fn walk_pruned(
         notes: FixedMap::with_hasher(fixed_state()),
         fates: FixedMap::with_hasher(fixed_state()),
     };
-    let meter = Meter::new(limits);
+    let meters = Meters::new(limits);
     let mut outcome = Ok(());
     walk(supply, Order::Pre, &Within(prune.envelope.clone()), &mut |at| {
         if outcome.is_err() {
             // Nothing below is looked at either.
             at.state().set_done();
         } else if !at.state().is_done() {
-            visit(&mut pruning, &meter, at);
-            outcome = meter.outcome(at.plan().kind);
+            visit(&mut pruning, &meters, at);
+            outcome = meters.outcome(at.plan().kind);
         }
     });
     outcome
@@ -218,7 +218,7 @@ fn walk_pruned(
 
 fn visit(
     pruning: &mut Pruning,
-    meter: &Meter<'_>,
+    meters: &Meters<'_>,
     drawing: &mut Drawing<'_>,
     handlers: &PruneHandlers,
     at: &At<'_, Standing>,
@@ -237,5 +237,5 @@ fn visit(
             return Ok(());
         }
     }
-    drawing.draw(pruning, meter, at)
+    drawing.draw(pruning, &meters.drawn, at)
 }

@@ -5,20 +5,32 @@ use sapwood_geom::{Bound, Mesh, Shared, SharedMesh, Side};
 
 use super::cut::{Remains, Surface, Through};
 use super::fate::Fate;
-use super::meter::Meter;
+use super::meter::{Meter, Meters};
 use super::{Pruning, Standing, lines};
 use crate::At;
 
 /// What a pruning leaves, for whoever makes something of his own of it.
 pub struct Remaining<'a> {
     pub(super) pruning: &'a Pruning,
-    pub(super) meter: &'a Meter<'a>,
+    pub(super) meters: &'a Meters<'a>,
 }
 
 impl Remaining<'_> {
     /// What remains of a mesh that the node draws, as draw lists have it: itself where that is all.
     pub fn mesh(&self, at: &At<'_, Standing>, mesh: &SharedMesh) -> Option<SharedMesh> {
-        of_mesh(self.pruning, self.meter, at, mesh)
+        of_mesh(self.pruning, &self.meters.drawn, at, mesh, None)
+    }
+
+    /// What remains of a mesh that stands in for the one that the node draws, as that does: its
+    /// triangle `i` shows what number `of[i]` of the drawn mesh shows, or number `i` where there is
+    /// no `of`. Nothing where nothing remains.
+    pub fn stand_in(
+        &self,
+        at: &At<'_, Standing>,
+        mesh: &SharedMesh,
+        of: Option<&[u32]>,
+    ) -> Option<SharedMesh> {
+        of_mesh(self.pruning, &self.meters.stand_ins, at, mesh, of)
     }
 
     /// What remains of a closed mesh for each part that the node's mesh shows, in their order: closed
@@ -31,7 +43,7 @@ impl Remaining<'_> {
             Fate::Whole => Some(solid.clone()),
             Fate::Gone => None,
             Fate::Cut(part) => {
-                let mut remains = Remains::closed(self.meter);
+                let mut remains = Remains::closed(&self.meters.stand_ins);
                 for triangle in 0..solid.n_triangles() {
                     remains.add_cut(solid, triangle, &Through { part: &**part, to_plan });
                 }
@@ -55,12 +67,14 @@ fn surface<'a>(pruning: &'a Pruning, world: Affine3) -> Surface<'a> {
     Surface { envelope: &pruning.prune.envelope, world, tolerance: pruning.prune.tolerance }
 }
 
-/// What remains of a mesh; itself where that is all.
+/// What remains of a mesh; itself where that is all. `of` tells which of the node's triangles those of
+/// the mesh stand for, where it is not the node's own.
 pub(super) fn of_mesh(
     pruning: &Pruning,
     meter: &Meter<'_>,
     at: &At<'_, Standing>,
     mesh: &SharedMesh,
+    of: Option<&[u32]>,
 ) -> Option<SharedMesh> {
     if let (Some(fates), Some(shown)) = (pruning.fates_of(at), at.plan().fragment.shown(at.index()))
     {
@@ -72,10 +86,14 @@ pub(super) fn of_mesh(
         let mut last = None;
         // Those of one part together, so that each is capped once: a mesh that fades has them lie
         // between others.
+        let row_of = |triangle: usize| match of {
+            None => shown.row(triangle as u32),
+            Some(of) => of.get(triangle).and_then(|number| shown.row(*number)),
+        };
         let mut triangles: Vec<usize> = (0..mesh.n_triangles()).collect();
-        triangles.sort_by_cached_key(|triangle| shown.row(*triangle as u32));
+        triangles.sort_by_cached_key(|triangle| row_of(*triangle));
         for triangle in triangles {
-            let row = shown.row(triangle as u32);
+            let row = row_of(triangle);
             if row != last {
                 remains.cap();
                 last = row;

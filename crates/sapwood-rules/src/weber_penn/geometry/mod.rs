@@ -20,5 +20,5 @@ pub(crate) use own_leaf::{
     spot_of_card,
 };
 pub(crate) use rounded_leaves::{Rounding, ends_of_leaves, for_vertices, rounded_leaves};
-pub(crate) use surface::{Band, banded_surface, segmented_surface};
+pub(crate) use surface::{Band, banded_surface, segmented_surface, segments_by_stem};
 pub use surface::{segments, surface};

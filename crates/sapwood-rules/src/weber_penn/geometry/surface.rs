@@ -15,6 +15,7 @@ use sapwood_geom::{
 
 use self::forks::Forks;
 pub use self::segments::segments;
+pub(crate) use self::segments::segments_by_stem;
 
 use super::detail::{Detail, SectionKey};
 use super::ring_places::{divide_segments, find_places};

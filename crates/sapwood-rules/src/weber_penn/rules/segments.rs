@@ -1,11 +1,12 @@
 //! Trees whose stems are drawn segment by segment, as the thesis drew them before welding.
 
 use sapwood_geom::{Content, Digester, Pieces, Shared, SharedMesh};
-use sapwood_graph::{Named, Offers, Pieced};
+use sapwood_graph::{Named, Offers, Pieced, Shown};
 use sapwood_scene::{Context, Rule, RuleError, Style, StyleSlot};
 
+use super::super::geometry::segments_by_stem;
 use super::super::slots::{BarkLookSlot, BarkSlot};
-use super::super::{StemSurface, stem_segments};
+use super::super::{Stem, StemSurface};
 use super::geometry::{material, stem_detail, trunk_form};
 use super::skeleton::draw_stem_lines;
 
@@ -52,7 +53,7 @@ impl Rule for SegmentsRule {
         };
         let form = trunk_form(of, cx);
         let charge = |triangles| cx.reserve_triangles(triangles as u64);
-        let pieces = stem_segments(&of.stems, &form, &detail, look.width, charge)?;
+        let (pieces, ends) = segments_by_stem(&of.stems, &form, &detail, look.width, charge)?;
         if pieces.mesh.is_empty() {
             return Ok(Segmented(None));
         }
@@ -61,6 +62,7 @@ impl Rule for SegmentsRule {
             return Ok(Segmented(None));
         };
         cx.mesh(SharedMesh::new(pieces.mesh.clone()), bark);
+        cx.shows(Shown::spans::<Stem>(ends));
         // The pieces follow from these alone.
         let mut digester = Digester::new();
         digester.add(StemSurface::NAME).add(of).add(&*form).add(&*detail).add(&look.width);

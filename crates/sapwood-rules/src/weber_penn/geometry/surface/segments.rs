@@ -24,8 +24,22 @@ pub fn segments<E>(
     form: &TrunkForm,
     detail: &Detail,
     bark_width: f32,
-    mut charge: impl FnMut(usize) -> Result<(), E>,
+    charge: impl FnMut(usize) -> Result<(), E>,
 ) -> Result<Pieces, E> {
+    Ok(segments_by_stem(stems, form, detail, bark_width, charge)?.0)
+}
+
+/// As [`segments`], with the number behind the last triangle of each stem.
+///
+/// # Errors
+/// The first refusal of `charge`.
+pub(crate) fn segments_by_stem<E>(
+    stems: &Stems,
+    form: &TrunkForm,
+    detail: &Detail,
+    bark_width: f32,
+    mut charge: impl FnMut(usize) -> Result<(), E>,
+) -> Result<(Pieces, Vec<u32>), E> {
     let mut tubes = Tubes::new(stems, form, detail, bark_width);
     let mut cutting = Cutting {
         pieces: Pieces::default(),
@@ -33,14 +47,16 @@ pub fn segments<E>(
         n_joints: 0,
         ends: vec![None; tubes.joints.len()],
     };
+    let mut ends = Vec::with_capacity(stems.stems.len());
     for index in 0..stems.stems.len() {
         let n = tubes.lay(index) + tubes.n_narrow();
         charge(n)?;
         if n > 0 {
             cutting.cut(&tubes, index);
         }
+        ends.push(cutting.pieces.mesh.n_triangles() as u32);
     }
-    Ok(cutting.pieces)
+    Ok((cutting.pieces, ends))
 }
 
 struct Cutting {
