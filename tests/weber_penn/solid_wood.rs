@@ -7,7 +7,7 @@ use sapwood::graph::{
     At, DrawList, Everything, Order, Prune, Remaining, Standing, WeldUnion, WeldedUnion,
 };
 use sapwood::rules::weber_penn::{Seed, Species, Tree, prune_handlers};
-use sapwood::scene::{EnvelopeSlot, Scene, ViewId};
+use sapwood::scene::{Budget, EnvelopeSlot, Scene, ViewError, ViewId};
 
 use super::trees::*;
 use super::wood::Wood;
@@ -102,6 +102,114 @@ fn what_a_cut_leaves_becomes_one_solid_closed_by_caps() {
         };
         assert_eq!(n_leaves(&joined.list), n_leaves(&list), "{name}");
     }
+}
+
+/// Gathers what a cut leaves.
+fn meet_cut(
+    scene: &mut Scene,
+    view: ViewId,
+    prune: &Prune,
+    weld: &mut WeldUnion,
+) -> Result<(), ViewError> {
+    let visit = &mut |remaining: &Remaining<'_>, at: &At<'_, Standing>| {
+        weld.meet_remaining(remaining, at);
+    };
+    scene.traverse_pruned(view, prune, &prune_handlers(), visit)
+}
+
+/// The least budget of triangles that `work` keeps to.
+fn least_budget(
+    tree: &mut Grown,
+    mut work: impl FnMut(&mut Grown) -> Result<(), ViewError>,
+) -> u64 {
+    let (mut too_few, mut enough) = (0, 1_000_000);
+    while enough - too_few > 1 {
+        let triangles = (too_few + enough) / 2;
+        tree.scene.set_budget(tree.view, Budget { triangles, ..Budget::default() }).unwrap();
+        match work(tree) {
+            Ok(()) => enough = triangles,
+            Err(_) => too_few = triangles,
+        }
+    }
+    enough
+}
+
+#[test]
+fn what_a_cut_leaves_is_counted_once_though_a_solid_comes_in_its_place() {
+    let mut tree = planted_in(Scene::new(), &sapling(), 1);
+    tree.scene.bounds(tree.view).unwrap();
+    let prune = Prune::to(Envelope::half_space(Vec3::NEG_X, 0.1));
+    let drawn = least_budget(&mut tree, |tree| {
+        let list = tree.scene.prune(tree.view, &prune, &prune_handlers(), 1_000_000);
+        list.map(|_| ())
+    });
+    let gathered = least_budget(&mut tree, |tree| {
+        meet_cut(&mut tree.scene, tree.view, &prune, &mut WeldUnion::new())
+    });
+    let at = |tree: &mut Grown, triangles: u64| {
+        tree.scene.set_budget(tree.view, Budget { triangles, ..Budget::default() }).unwrap();
+        let mut weld = WeldUnion::new();
+        let met = meet_cut(&mut tree.scene, tree.view, &prune, &mut weld);
+        (met.map(|()| weld.n_solids()), weld)
+    };
+    let (met, mut weld) = at(&mut tree, 1_000_000);
+    assert!(weld.n_solids() > 10, "{}", weld.n_solids());
+    let list = tree.scene.prune(tree.view, &prune, &prune_handlers(), 1_000_000).unwrap();
+    let report = weld.join(&list, u64::MAX, &|_| true).unwrap().report;
+    // Whole solids are not made by the cut: there are fewer triangles than all of them have. Were both
+    // counted, as many again would be needed as are drawn.
+    let most = drawn.max(report.n_triangles_before);
+    assert!(gathered >= drawn && gathered <= most, "{drawn} drawn, {gathered} of {report:?}");
+    assert!(10 * (gathered - drawn) < drawn, "{drawn} drawn, {gathered} gathered");
+    // At the budget itself, and with one triangle less.
+    assert_eq!(at(&mut tree, gathered).0.unwrap(), met.unwrap());
+    let refused = at(&mut tree, gathered - 1).0.unwrap_err().to_string();
+    assert!(refused.starts_with(&format!("more than {} triangles", gathered - 1)), "{refused}");
+    // All that joining needs, and one triangle less.
+    let needed = report.n_triangles.max(report.n_triangles_before);
+    let (_, mut weld) = at(&mut tree, needed.max(gathered));
+    assert_eq!(weld.join(&list, needed, &|_| true).unwrap().report.n_triangles, report.n_triangles);
+    let (_, mut weld) = at(&mut tree, needed.max(gathered));
+    assert!(weld.join(&list, needed - 1, &|_| true).is_err());
+}
+
+#[test]
+fn a_walk_that_was_interrupted_leaves_nothing_behind_once_it_is_cleared() {
+    let mut tree = planted_in(Scene::new(), &sapling(), 1);
+    let prune = Prune::to(Envelope::half_space(Vec3::NEG_X, 0.1));
+    let mut fresh = WeldUnion::new();
+    meet_cut(&mut tree.scene, tree.view, &prune, &mut fresh).unwrap();
+    let list = tree.scene.prune(tree.view, &prune, &prune_handlers(), 1_000_000).unwrap();
+    let n_solids = fresh.n_solids();
+    let fresh = fresh.join(&list, u64::MAX, &|_| true).unwrap();
+
+    let mut weld = WeldUnion::new();
+    let budget = |tree: &mut Grown, triangles| {
+        tree.scene.set_budget(tree.view, Budget { triangles, ..Budget::default() }).unwrap();
+    };
+    let enough = least_budget(&mut tree, |tree| {
+        meet_cut(&mut tree.scene, tree.view, &prune, &mut WeldUnion::new())
+    });
+    budget(&mut tree, 4 * enough / 5);
+    meet_cut(&mut tree.scene, tree.view, &prune, &mut weld).unwrap_err();
+    let n_left = weld.n_solids();
+    assert!((1..n_solids).contains(&n_left), "{n_left} of {n_solids}");
+    weld.clear();
+    assert_eq!(weld.n_solids(), 0);
+    budget(&mut tree, 1_000_000);
+    meet_cut(&mut tree.scene, tree.view, &prune, &mut weld).unwrap();
+    assert_eq!(weld.n_solids(), n_solids);
+    let joined = weld.join(&list, u64::MAX, &|_| true).unwrap();
+    assert_eq!(joined.union.solid, fresh.union.solid);
+    assert_eq!(digest(&joined.list), digest(&fresh.list));
+
+    // An interrupted join forgets what it was to join, and keeps what was joined before.
+    meet_cut(&mut tree.scene, tree.view, &prune, &mut weld).unwrap();
+    weld.join(&list, 10, &|_| true).unwrap_err();
+    assert_eq!(weld.n_solids(), 0);
+    meet_cut(&mut tree.scene, tree.view, &prune, &mut weld).unwrap();
+    let again = weld.join(&list, u64::MAX, &|_| true).unwrap().report.work;
+    assert_eq!((again.n_joined, again.n_kept), (0, 1));
 }
 
 #[test]

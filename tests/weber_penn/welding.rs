@@ -4,13 +4,15 @@
 use std::convert::Infallible;
 
 use sapwood::geom::glam::Vec3;
-use sapwood::geom::{Envelope, FixedSet, Mesh, StreamPath, fixed_state};
-use sapwood::graph::{DrawList, Everything, Order, PiecesReport, WeldPieces};
+use sapwood::geom::{Envelope, FixedSet, Mesh, Sphere, StreamPath, fixed_state};
+use sapwood::graph::{
+    At, DrawList, Everything, Order, PiecesReport, Prune, Remaining, Standing, WeldPieces,
+};
 use sapwood::rules::weber_penn::{
     Crown, Detail, Level, LevelDetail, Seed, Species, Stems, Target, Tree, TrunkForm, children,
-    grow, stem_segments, surface, trunks,
+    grow, prune_handlers, stem_segments, surface, trunks,
 };
-use sapwood::scene::{Action, EnvelopeSlot, Scene, ViewId};
+use sapwood::scene::{Action, EnvelopeSlot, Scene, ViewError, ViewId};
 
 use super::trees::*;
 
@@ -204,6 +206,126 @@ fn a_branch_that_is_cut_is_welded_again_and_no_other() {
     assert!(third.n_kept + n_again <= n_meshes && third.n_kept >= n_meshes - 4, "{third:?}");
     let (fresh, _) = welded(&mut scene, view, &mut WeldPieces::new());
     assert_eq!(digest(&list), digest(&fresh));
+}
+
+/// All wood of a list.
+fn wood(list: &DrawList) -> Mesh {
+    let mut wood = Mesh::default();
+    for (world, row) in list.placed_rows().filter(|(_, row)| row.instances.is_none()) {
+        assert_eq!(row.mesh.fault(), None);
+        wood.append(&row.mesh, &world);
+    }
+    wood
+}
+
+/// Meets what a cut leaves.
+fn meet_cut(
+    scene: &mut Scene,
+    view: ViewId,
+    prune: &Prune,
+    weld: &mut WeldPieces,
+) -> Result<(), ViewError> {
+    let visit = &mut |remaining: &Remaining<'_>, at: &At<'_, Standing>| {
+        weld.meet_remaining(remaining, at);
+    };
+    scene.traverse_pruned(view, prune, &prune_handlers(), visit)
+}
+
+#[test]
+fn what_a_cut_leaves_of_welded_stems_is_what_it_leaves_of_swept_ones() {
+    // One with splits on all levels, whose weld leaves triangles out, and one with a flared foot.
+    let maple = with(&built_in("japanese_maple"), &[("level.2.branches", 3.0)]);
+    for (species, n_cut) in [(maple, 40), (sapling(), 5)] {
+        let mut scene = Scene::new();
+        let family = scene.add(species.attribute());
+        scene.add_to(family, Tree { seed: Seed::Explicit(1) }).unwrap();
+        let view = scene.open_view(family, &sapwood::segment_rules()).unwrap();
+        let swept = scene.open_view(family, &sapwood::standard_rules()).unwrap();
+        let size = scene.bounds(swept).unwrap().aabb.size();
+        let ball = Sphere { center: 0.4 * size.y * Vec3::Y, radius: 0.42 * size.y };
+        let envelopes = [
+            Envelope::half_space(Vec3::Y, 0.5 * size.y),
+            Envelope::half_space(Vec3::X, 0.1 * size.x),
+            Envelope::sphere(ball),
+            Envelope::sphere(Sphere { center: Vec3::ZERO, radius: 1e4 }),
+        ];
+        let mut weld = WeldPieces::new();
+        let (mut n_welded, mut n_open, mut n_pieces) = (0, 0, 0);
+        for envelope in envelopes {
+            let prune = Prune::to(envelope);
+            meet_cut(&mut scene, view, &prune, &mut weld).unwrap();
+            let cut = |scene: &mut Scene, view| {
+                scene.prune(view, &prune, &prune_handlers(), 1_000_000).unwrap()
+            };
+            let pieces = cut(&mut scene, view);
+            let (list, report) = weld.welded(&pieces);
+            n_welded += report.n_welded;
+            let (welded, expected) = (wood(&list), wood(&cut(&mut scene, swept)));
+            // The same up to what rounding makes of triangles as thin as hairs.
+            let off = welded.n_triangles().abs_diff(expected.n_triangles());
+            assert!(1000 * off <= expected.n_triangles(), "{off} of {}", expected.n_triangles());
+            let area = |mesh: &Mesh| -> f64 {
+                let doubled = |[a, b, c]: [Vec3; 3]| f64::from((b - a).cross(c - a).length());
+                corners(mesh).map(doubled).sum()
+            };
+            let share = area(&welded) / area(&expected);
+            assert!((share - 1.0).abs() < 1e-5, "{share}");
+            let [one, other] = [welded.bound().aabb, expected.bound().aabb];
+            let apart = (one.min - other.min).abs().max((one.max - other.max).abs());
+            assert!(apart.max_element() < 1e-3, "{one:?} {other:?}");
+            n_open += welded.n_open_edges().abs_diff(expected.n_open_edges());
+            n_pieces += wood(&pieces).n_open_edges() - welded.n_open_edges();
+            let leaves = |list: &DrawList| {
+                list.placed_rows().filter(|(_, row)| row.instances.is_some()).count()
+            };
+            assert_eq!(leaves(&list), leaves(&pieces));
+        }
+        assert!(n_open <= 4, "{n_open} edges open on one and closed on the other");
+        assert!(n_pieces > 1000, "pieces are open at both ends");
+        assert!(n_welded >= n_cut, "{n_welded} of {n_cut}");
+        // All that was met in the last walk is there: nothing is welded again.
+        let everything = Prune::to(Envelope::sphere(Sphere { center: Vec3::ZERO, radius: 1e4 }));
+        meet_cut(&mut scene, view, &everything, &mut weld).unwrap();
+        let list = scene.draw_list(view, usize::MAX).unwrap();
+        let (whole, report) = weld.welded(&list);
+        assert_eq!(report.n_welded, 0);
+        let (fresh, _) = welded(&mut scene, view, &mut WeldPieces::new());
+        assert_eq!(digest(&whole), digest(&fresh));
+    }
+}
+
+#[test]
+fn a_walk_that_was_interrupted_leaves_nothing_behind_once_it_is_cleared() {
+    let mut tree = planted_in(Scene::new(), &sapling(), 1);
+    let rules = sapwood::segment_rules();
+    tree.view = tree.scene.open_view(tree.family, &rules).unwrap();
+    let Grown { scene, view, .. } = &mut tree;
+    let (fresh, all) = welded(scene, *view, &mut WeldPieces::new());
+    let mut weld = WeldPieces::new();
+    let half_walk = |scene: &mut Scene, weld: &mut WeldPieces| {
+        let mut n = 0;
+        let visit = &mut |at: &At<'_, ()>| n += usize::from(at.enters_plan());
+        scene.traverse(*view, Order::Pre, &Everything, visit).unwrap();
+        let mut left = n / 2;
+        let visit = &mut |at: &At<'_, ()>| {
+            left = left.saturating_sub(usize::from(at.enters_plan()));
+            if left > 0 {
+                weld.meet(at);
+            }
+        };
+        scene.traverse(*view, Order::Pre, &Everything, visit).unwrap();
+    };
+    half_walk(scene, &mut weld);
+    assert!(!format!("{weld:?}").starts_with("0 meshes"), "{weld:?}");
+    weld.clear();
+    assert_eq!(format!("{weld:?}"), "0 meshes to be welded, 0 kept");
+    let (list, report) = welded(scene, *view, &mut weld);
+    assert_eq!((digest(&list), report), (digest(&fresh), all));
+    // What was welded before the walk is kept.
+    half_walk(scene, &mut weld);
+    weld.clear();
+    let (_, report) = welded(scene, *view, &mut weld);
+    assert_eq!((report.n_welded, report.n_kept), (0, all.n_welded));
 }
 
 #[test]

@@ -80,6 +80,13 @@ fn every_file_of_welded_wood_is_closed() {
         let volume = weld["volume"].as_f64().unwrap();
         assert!((report.volume / volume - 1.0).abs() < 1e-6, "{name}: {report}");
     }
+    // The file says so, too; that of the same tree without a weld does not.
+    says(at, "grow quaking_aspen --levels 2 -o open.glb");
+    let says_solid = |name: &str| {
+        let bytes = fs::read(at.join(name)).unwrap();
+        bytes.windows(17).any(|word| word == b"EXT_mesh_manifold")
+    };
+    assert!(says_solid("t.glb") && !says_solid("open.glb"));
     // The solid stands: z is up.
     let size = Mesh { positions: stl.positions, ..Mesh::default() }.bound().aabb.size();
     assert!(size.z > 2.0 * size.x && size.z > 2.0 * size.y, "{size}");
@@ -136,6 +143,63 @@ fn what_a_cut_leaves_is_welded_too() {
     }
     let top = stl.positions.iter().map(|position| position.z).fold(0.0, f32::max);
     assert!((4.5..5.6).contains(&top), "{top}");
-    let said = fails(at, "grow palm --cut half-space:0,1,0,5 --weld stem -o p.glb", 2);
-    assert!(said.contains("--weld stem: a cut stem is closed by a cap"), "{said}");
+}
+
+#[test]
+fn welded_stems_are_cut_as_swept_ones_are() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let cut = "grow quaking_aspen --levels 2 --cut half-space:1,0,0,0.3 --json";
+    let [swept, welded, separate] =
+        [("", "swept"), ("--weld stem", "welded"), ("--detail segments", "separate")].map(
+            |(how, name)| json(&says(at, &format!("{cut} {how} -o {name}.glb -o {name}.png"))),
+        );
+    let number = |told: &serde_json::Value, key: &str| told[key].as_f64().unwrap();
+    let share = number(&welded, "triangles") / number(&swept, "triangles");
+    assert!((share - 1.0).abs() < 1e-3, "{share}");
+    assert!(number(&separate, "vertices") > number(&welded, "vertices"));
+    for axis in 0..3 {
+        for end in ["min", "max"] {
+            let [one, other] =
+                [&swept, &welded].map(|told| told["bounds"][end][axis].as_f64().unwrap());
+            assert!((one - other).abs() < 1e-3, "{one} {other}");
+        }
+    }
+    // They look alike: the cuts are closed.
+    let [one, other] = ["swept.png", "welded.png"].map(|name| image(at, name));
+    let n_pixels = (one.width * one.height) as usize;
+    let n_different = crate::pictures::n_different(&one, &other);
+    assert!(200 * n_different < n_pixels, "{n_different} of {n_pixels}");
+}
+
+#[test]
+fn cuts_welds_and_details_go_together_or_say_why_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    for cut in ["", "--cut half-space:0,1,0,3", "--prune sphere:0,3,0,3.2"] {
+        for detail in ["full", "draft", "segments", "skeleton"] {
+            for weld in ["", "--weld stem", "--weld union"] {
+                let line = format!("grow palm --levels 1 {cut} --detail {detail} {weld} -o t.obj");
+                let refusal = match (detail, weld) {
+                    ("skeleton", "--weld stem" | "--weld union") => {
+                        "--weld: surfaces are welded, and --detail skeleton makes none (accepted: "
+                    }
+                    ("segments", "--weld union") => {
+                        "--weld union: the segments of --detail segments are open tubes, which \
+                         enclose nothing that could be joined (accepted: "
+                    }
+                    _ => {
+                        let told = json(&says(at, &format!("{line} --json")));
+                        let top = told["bounds"]["max"][1].as_f64().unwrap();
+                        let held = if cut.is_empty() { 5.0..100.0 } else { 1.0..6.6 };
+                        assert!(held.contains(&top), "{line}: {top}");
+                        assert_eq!(told["weld"].is_null(), weld != "--weld union", "{line}");
+                        continue;
+                    }
+                };
+                let said = fails(at, &line, 2);
+                assert!(said.contains(refusal), "{line}: {said}");
+            }
+        }
+    }
 }
