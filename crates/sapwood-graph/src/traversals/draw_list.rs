@@ -48,6 +48,9 @@ pub struct Body {
     pub labels: Vec<LabelRow>,
     /// How what sways does so, in the body's frame; nothing where nothing does.
     pub rig: Option<Arc<Rig>>,
+    /// Whether its meshes are together one closed surface, of which triangles meet at equal positions:
+    /// such as have been joined ([`WeldUnion`](super::WeldUnion)).
+    pub is_solid: bool,
 }
 
 impl Body {
@@ -55,12 +58,12 @@ impl Body {
     pub fn new(kind: Kind) -> Self {
         let (rows, lines, lights) = (Vec::new(), Vec::new(), Vec::new());
         let (cameras, labels) = (Vec::new(), Vec::new());
-        Self { kind, rows, lines, lights, cameras, labels, rig: None }
+        Self { kind, rows, lines, lights, cameras, labels, rig: None, is_solid: false }
     }
 
     /// Rows of all sorts together.
     fn n_rows(&self) -> usize {
-        let Self { kind: _, rows, lines, lights, cameras, labels, rig: _ } = self;
+        let Self { kind: _, rows, lines, lights, cameras, labels, rig: _, is_solid: _ } = self;
         rows.len() + lines.len() + lights.len() + cameras.len() + labels.len()
     }
 }

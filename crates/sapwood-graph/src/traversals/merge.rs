@@ -75,7 +75,7 @@ impl DrawList {
         let mut body = Body::new(Kind::of::<Merged>());
         let mut merging = Merging::new();
         for Occurrence { body: number, world } in &self.occurrences {
-            let Body { kind: _, rows, lines, lights, cameras, labels, rig: _ } =
+            let Body { kind: _, rows, lines, lights, cameras, labels, rig: _, is_solid: _ } =
                 &self.bodies[*number as usize];
             for row in rows {
                 merging.add(row, &(*world * row.local));

@@ -179,7 +179,7 @@ impl WeldUnion {
         drop(solids);
         let part = |number: u32| placed[number as usize].mesh();
         let meshes = dressed(&union, &part, &materials_of, materials.len());
-        let mut body = Body::new(Kind::of::<Welded>());
+        let mut body = Body { is_solid: true, ..Body::new(Kind::of::<Welded>()) };
         body.rows = meshes
             .into_iter()
             .zip(materials)

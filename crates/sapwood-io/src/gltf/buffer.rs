@@ -5,8 +5,8 @@ use json::Index;
 use json::accessor::{ComponentType, GenericComponentType, Type};
 use json::buffer::Target;
 use json::validation::{Checked::Valid, USize64};
-use sapwood_geom::Aabb;
 use sapwood_geom::glam::{Vec2, Vec3};
+use sapwood_geom::{Aabb, Mesh};
 
 use super::sway::Skeleton;
 use crate::parts::Part;
@@ -23,7 +23,7 @@ pub(super) struct Accessors {
 /// Bytes that a part takes in the binary chunk.
 pub(super) fn byte_length(part: &Part<'_>) -> u64 {
     let (n_vertices, n_indices) = part.size();
-    n_vertices * 32 + (n_indices * index_size(n_vertices)).next_multiple_of(4)
+    n_vertices * VERTEX as u64 + (n_indices * index_size(n_vertices)).next_multiple_of(4)
 }
 
 /// Bytes that the joints of a part's vertices take.
@@ -33,7 +33,7 @@ pub(super) fn joints_length(part: &Part<'_>, skeleton: &Skeleton<'_>) -> u64 {
 
 /// Two bytes where 16 bits number the vertices, else four; the largest number is kept free, for
 /// it restarts primitives on some devices.
-fn index_size(n_vertices: u64) -> u64 {
+pub(super) fn index_size(n_vertices: u64) -> u64 {
     if n_vertices <= u64::from(u16::MAX) { 2 } else { 4 }
 }
 
@@ -63,49 +63,52 @@ impl BufferBuilder {
         let (n_vertices, n_indices) = part.size();
         let index_size = index_size(n_vertices) as usize;
         let (n_vertices, n_indices) = (n_vertices as usize, n_indices as usize);
-        let mut bounds = Aabb::EMPTY;
 
         let start = self.next;
         self.next += byte_length(part) as usize;
-        let (positions, rest) = self.bytes[start..self.next].split_at_mut(n_vertices * 12);
-        let (normals, rest) = rest.split_at_mut(n_vertices * 12);
-        let (uvs, indices) = rest.split_at_mut(n_vertices * 8);
-        let (mut vertex, mut index) = (0, 0);
+        let (vertices, indices) = self.bytes[start..self.next].split_at_mut(n_vertices * VERTEX);
+        let (mut vertices, mut index) = (Vertices::new(vertices, n_vertices), 0);
         part.each_mesh(|mesh| {
-            sound::check(mesh)?;
-            bounds = mesh.positions.iter().fold(bounds, |bounds, point| bounds.with_point(*point));
-            write_floats(&mut positions[vertex * 12..], &mesh.positions, Vec3::to_array);
-            write_floats(&mut normals[vertex * 12..], &mesh.normals, Vec3::to_array);
-            write_floats(&mut uvs[vertex * 8..], &mesh.uvs, Vec2::to_array);
             let places = indices[index * index_size..].chunks_exact_mut(index_size);
-            for (place, i) in places.zip(&mesh.indices) {
-                // The lower half of a number that fits is the number.
-                place.copy_from_slice(&(vertex as u32 + i).to_le_bytes()[..index_size]);
-            }
-            vertex += mesh.positions.len();
+            write_numbers(places, vertices.n as u32, &mesh.indices);
             index += mesh.indices.len();
-            Ok::<_, String>(())
+            vertices.write(mesh)
         })?;
+        let bounds = vertices.bounds;
+        let [positions, normals, uvs] = vertex_accessors(root, start, n_vertices, &bounds);
+        let kind = (component(index_size), Type::Scalar, Some(Target::ElementArrayBuffer));
+        let start = start + n_vertices * VERTEX;
+        let indices = accessor(root, start, n_indices, index_size, kind);
+        Ok(Accessors { positions, normals, uvs, indices })
+    }
 
-        let vectors = (ComponentType::F32, Type::Vec3, Some(Target::ArrayBuffer));
-        let pairs = (ComponentType::F32, Type::Vec2, Some(Target::ArrayBuffer));
-        let numbers = if index_size == 2 { ComponentType::U16 } else { ComponentType::U32 };
-        let numbers = (numbers, Type::Scalar, Some(Target::ElementArrayBuffer));
-        let mut at = start;
-        let mut next = |count, size, kind| {
-            let accessor = accessor(root, at, count, size, kind);
-            at += count * size;
-            accessor
-        };
-        let accessors = Accessors {
-            positions: next(n_vertices, 12, vectors),
-            normals: next(n_vertices, 12, vectors),
-            uvs: next(n_vertices, 8, pairs),
-            indices: next(n_indices, index_size, numbers),
-        };
-        let positions = &mut root.accessors[accessors.positions.value()];
-        (positions.min, positions.max) = (Some(value(bounds.min)), Some(value(bounds.max)));
-        Ok(accessors)
+    /// Adds the vertices of several parts, `n` of them, as the same three accessors.
+    pub(super) fn add_vertices(
+        &mut self,
+        root: &mut json::Root,
+        parts: &[Part<'_>],
+        n: usize,
+    ) -> Result<[Index<json::Accessor>; 3], String> {
+        let start = self.next;
+        self.next += n * VERTEX;
+        let mut vertices = Vertices::new(&mut self.bytes[start..self.next], n);
+        parts.iter().try_for_each(|part| part.each_mesh(|mesh| vertices.write(mesh)))?;
+        let bounds = vertices.bounds;
+        Ok(vertex_accessors(root, start, n, &bounds))
+    }
+
+    /// Adds whole numbers of `size` bytes, 2 or 4; for triangles where `target` says so.
+    pub(super) fn add_numbers(
+        &mut self,
+        root: &mut json::Root,
+        size: usize,
+        target: Option<Target>,
+        numbers: &[u32],
+    ) -> Index<json::Accessor> {
+        let start = self.next;
+        self.next += (numbers.len() * size).next_multiple_of(4);
+        write_numbers(self.bytes[start..self.next].chunks_exact_mut(size), 0, numbers);
+        accessor(root, start, numbers.len(), size, (component(size), Type::Scalar, target))
     }
 
     /// Adds for each vertex of `part` the joint that it follows, wholly.
@@ -169,6 +172,71 @@ impl BufferBuilder {
             extras: None,
         });
         Some(self.bytes)
+    }
+}
+
+/// Bytes of a vertex: position, normal and texture coordinates.
+pub(super) const VERTEX: usize = 32;
+
+/// Vertices while they are written: all positions, all normals, all texture coordinates.
+struct Vertices<'a> {
+    positions: &'a mut [u8],
+    normals: &'a mut [u8],
+    uvs: &'a mut [u8],
+    /// How many are written.
+    n: usize,
+    bounds: Aabb,
+}
+
+impl<'a> Vertices<'a> {
+    /// Room for `n` of them.
+    fn new(bytes: &'a mut [u8], n: usize) -> Self {
+        let (positions, rest) = bytes.split_at_mut(n * 12);
+        let (normals, uvs) = rest.split_at_mut(n * 12);
+        Self { positions, normals, uvs, n: 0, bounds: Aabb::EMPTY }
+    }
+
+    fn write(&mut self, mesh: &Mesh) -> Result<(), String> {
+        sound::check(mesh)?;
+        let points = mesh.positions.iter();
+        self.bounds = points.fold(self.bounds, |bounds, point| bounds.with_point(*point));
+        write_floats(&mut self.positions[self.n * 12..], &mesh.positions, Vec3::to_array);
+        write_floats(&mut self.normals[self.n * 12..], &mesh.normals, Vec3::to_array);
+        write_floats(&mut self.uvs[self.n * 8..], &mesh.uvs, Vec2::to_array);
+        self.n += mesh.positions.len();
+        Ok(())
+    }
+}
+
+/// The accessors of `n` vertices from `start`.
+fn vertex_accessors(
+    root: &mut json::Root,
+    start: usize,
+    n: usize,
+    bounds: &Aabb,
+) -> [Index<json::Accessor>; 3] {
+    let vectors = (ComponentType::F32, Type::Vec3, Some(Target::ArrayBuffer));
+    let pairs = (ComponentType::F32, Type::Vec2, Some(Target::ArrayBuffer));
+    let accessors = [
+        accessor(root, start, n, 12, vectors),
+        accessor(root, start + 12 * n, n, 12, vectors),
+        accessor(root, start + 24 * n, n, 8, pairs),
+    ];
+    let positions = &mut root.accessors[accessors[0].value()];
+    (positions.min, positions.max) = (Some(value(bounds.min)), Some(value(bounds.max)));
+    accessors
+}
+
+/// The type of whole numbers of so many bytes, 2 or 4.
+fn component(size: usize) -> ComponentType {
+    if size == 2 { ComponentType::U16 } else { ComponentType::U32 }
+}
+
+/// Writes `first` and each of the numbers; the lower half of a number that fits is the number.
+fn write_numbers<'a>(places: impl Iterator<Item = &'a mut [u8]>, first: u32, numbers: &[u32]) {
+    for (place, number) in places.zip(numbers) {
+        let n = place.len();
+        place.copy_from_slice(&(first + number).to_le_bytes()[..n]);
     }
 }
 

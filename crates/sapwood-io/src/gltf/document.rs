@@ -14,6 +14,7 @@ use sapwood_graph::{Body, DrawList};
 
 use super::buffer::{self, BufferBuilder};
 use super::fixtures::{self, Fixtures};
+use super::manifold::{self, Manifold};
 use super::materials::Materials;
 use super::placement;
 use super::sway::{Skeleton, SwayAnimation, Swayed};
@@ -46,8 +47,16 @@ impl Document {
             .map(|body| animation.and_then(|animation| Skeleton::of(body, animation)))
             .collect();
         let times = animation.map_or_else(Vec::new, SwayAnimation::times);
+        let solid = |(body, parts): (&Body, &Vec<Part<'_>>)| {
+            if body.is_solid { Manifold::of(parts) } else { None }
+        };
+        let manifolds: Vec<_> = list.bodies.iter().zip(&bodies).map(solid).collect();
         // Refused by the sizes alone before any geometry is copied; the JSON is added later.
-        let mut geometry = bodies.iter().flatten().map(buffer::byte_length).sum();
+        let length = |(parts, manifold): (&Vec<Part<'_>>, &Option<Manifold>)| match manifold {
+            Some(manifold) => manifold.byte_length(),
+            None => parts.iter().map(buffer::byte_length).sum(),
+        };
+        let mut geometry = bodies.iter().zip(&manifolds).map(length).sum();
         let mut swayed = Swayed::default();
         for (parts, skeleton) in bodies.iter().zip(&skeletons) {
             let Some(skeleton) = skeleton else { continue };
@@ -72,10 +81,14 @@ impl Document {
             assembly.animate(&times);
         }
         let mut drawn = Vec::with_capacity(bodies.len());
-        let all = list.bodies.iter().zip(&bodies).zip(&materials).zip(&skeletons);
-        for (((body, parts), materials), skeleton) in all {
+        let all = list.bodies.iter().zip(&bodies).zip(&materials).zip(&skeletons).zip(&manifolds);
+        for ((((body, parts), materials), skeleton), manifold) in all {
+            let mesh = match manifold {
+                Some(manifold) => assembly.solid(body, parts, materials, manifold)?,
+                None => assembly.mesh(body, parts, materials, skeleton.as_ref())?,
+            };
             drawn.push(Drawn {
-                mesh: assembly.mesh(body, parts, materials, skeleton.as_ref())?,
+                mesh,
                 skin: skeleton.as_ref().map(|skeleton| assembly.skin(skeleton, &times)),
                 fixtures: Fixtures::of(body, &mut assembly.root, &mut assembly.lights)?,
             });
@@ -131,6 +144,23 @@ pub(super) fn unwritable(body: &Body, reason: String) -> Error {
 /// A name, or none where it is empty.
 pub(super) fn named(name: &str) -> Option<String> {
     (!name.is_empty()).then(|| name.to_owned())
+}
+
+/// Triangles with these accessors.
+fn primitive(
+    attributes: BTreeMap<json::validation::Checked<json::mesh::Semantic>, Index<json::Accessor>>,
+    indices: Index<json::Accessor>,
+    material: Index<json::Material>,
+) -> json::mesh::Primitive {
+    json::mesh::Primitive {
+        attributes,
+        indices: Some(indices),
+        material: Some(material),
+        mode: Valid(json::mesh::Mode::Triangles),
+        targets: None,
+        extensions: None,
+        extras: None,
+    }
 }
 
 /// What a body became.
@@ -207,23 +237,49 @@ impl Assembly {
                 attributes.insert(Valid(json::mesh::Semantic::Joints(0)), joints);
                 attributes.insert(Valid(json::mesh::Semantic::Weights(0)), weights);
             }
-            primitives.push(json::mesh::Primitive {
-                attributes,
-                indices: Some(accessors.indices),
-                material: Some(*material),
-                mode: Valid(json::mesh::Mode::Triangles),
-                targets: None,
-                extensions: None,
-                extras: None,
-            });
+            primitives.push(primitive(attributes, accessors.indices, *material));
         }
-        Ok(Some(self.root.push(json::Mesh {
-            name: named(body.kind.name()),
-            primitives,
-            weights: None,
-            extensions: None,
-            extras: None,
-        })))
+        Ok(Some(self.push_mesh(body, primitives, None)))
+    }
+
+    /// The mesh of a body that is one closed surface, and is told to be.
+    fn solid(
+        &mut self,
+        body: &Body,
+        parts: &[Part<'_>],
+        materials: &[Index<json::Material>],
+        manifold: &Manifold,
+    ) -> Result<Option<Index<json::Mesh>>, Error> {
+        let written = self.buffer.add_manifold(&mut self.root, parts, manifold);
+        let written = written.map_err(|reason| unwritable(body, reason))?;
+        let [positions, normals, uvs] = written.attributes;
+        let attributes: BTreeMap<_, _> = [
+            (Valid(json::mesh::Semantic::Positions), positions),
+            (Valid(json::mesh::Semantic::Normals), normals),
+            (Valid(json::mesh::Semantic::TexCoords(0)), uvs),
+        ]
+        .into();
+        let both = written.indices.iter().zip(materials);
+        let primitives = both
+            .map(|(indices, material)| primitive(attributes.clone(), *indices, *material))
+            .collect();
+        let mut others = serde_json::Map::new();
+        others.insert(manifold::NAME.to_owned(), written.extension);
+        if !self.root.extensions_used.iter().any(|used| used == manifold::NAME) {
+            self.root.extensions_used.push(manifold::NAME.to_owned());
+        }
+        let extension = json::extensions::mesh::Mesh { others };
+        Ok(Some(self.push_mesh(body, primitives, Some(extension))))
+    }
+
+    fn push_mesh(
+        &mut self,
+        body: &Body,
+        primitives: Vec<json::mesh::Primitive>,
+        extensions: Option<json::extensions::mesh::Mesh>,
+    ) -> Index<json::Mesh> {
+        let name = named(body.kind.name());
+        self.root.push(json::Mesh { name, primitives, weights: None, extensions, extras: None })
     }
 
     /// Adds the times of the animation's keyframes.

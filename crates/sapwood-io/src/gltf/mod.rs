@@ -4,11 +4,13 @@
 //! Every body becomes one glTF mesh with one primitive for each material, and every occurrence
 //! one node, so what several occurrences share is written once; an image is written once however
 //! many materials have it. Lights and cameras become those of glTF, lines of text nodes that
-//! carry the text in their `extras`. What sways is still, or is animated. Polylines have no place in these files and are left out.
+//! carry the text in their `extras`. What sways is still, or is animated. Bodies that are solid are
+//! written as such. Polylines have no place in these files and are left out.
 
 mod buffer;
 mod document;
 mod fixtures;
+mod manifold;
 mod materials;
 mod pair;
 mod placement;
@@ -25,6 +27,7 @@ use crate::{Error, ErrorKind, FileSet};
 use document::Document;
 
 pub use pair::gltf_buffer_path;
+pub(crate) use read::{Folder, flat};
 pub use read::{Model, ModelNode, ReadLimits, read_gltf};
 pub use sway::{SwayAnimation, Swayed};
 

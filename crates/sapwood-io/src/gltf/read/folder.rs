@@ -1,4 +1,4 @@
-//! References: what stands at a URI of a glTF file. Nothing outside the file's folder is opened.
+//! References: what stands at a URI of a model file. Nothing outside the file's folder is opened.
 
 use std::collections::BTreeSet;
 use std::fs::File;
@@ -15,7 +15,7 @@ use crate::{Error, ErrorKind};
 const ACCEPTED: &str = "the relative path of a file in the folder of the model, or a data URI";
 
 /// The folder of a model, and how many bytes may still be read from it.
-pub(super) struct Folder {
+pub(crate) struct Folder {
     /// With no symbolic links in it; nothing where there is no folder.
     path: Option<PathBuf>,
     limit: u64,
@@ -26,7 +26,7 @@ pub(super) struct Folder {
 impl Folder {
     /// The folder of the file at `model`, of which `read` bytes of at most `limit` were read
     /// already.
-    pub(super) fn of(model: Option<&Path>, read: u64, limit: u64) -> Self {
+    pub(crate) fn of(model: Option<&Path>, read: u64, limit: u64) -> Self {
         let folder = model.map(|model| match model.parent() {
             Some(folder) if !folder.as_os_str().is_empty() => folder,
             _ => Path::new("."),
@@ -36,7 +36,7 @@ impl Folder {
     }
 
     /// The bytes that `uri`, which stands at the place `at`, refers to.
-    pub(super) fn read(&mut self, uri: &str, at: &str) -> Result<Vec<u8>, Error> {
+    pub(crate) fn read(&mut self, uri: &str, at: &str) -> Result<Vec<u8>, Error> {
         let bytes = match uri.get(..5) {
             Some(scheme) if scheme.eq_ignore_ascii_case("data:") => self.data(uri, at)?,
             _ => self.file(uri, at)?,

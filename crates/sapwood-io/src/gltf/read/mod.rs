@@ -36,16 +36,19 @@ pub use self::model::{Model, ModelNode};
 use self::buffers::Buffers;
 use self::container::Container;
 use self::document::{Document, List, invalid};
-use self::folder::Folder;
+pub(crate) use self::folder::Folder;
 use self::images::Images;
 use self::nodes::Tree;
+pub(crate) use self::primitives::flat;
 use self::unfolding::Unfolding;
 use self::warnings::Warnings;
 use crate::{Error, ErrorKind};
 
 /// Extensions that may be required of whoever reads a file.
-const KNOWN: [&str; 6] = [
+const KNOWN: [&str; 7] = [
     "EXT_mesh_gpu_instancing",
+    // What it says of triangles changes none of them.
+    "EXT_mesh_manifold",
     "KHR_lights_punctual",
     "KHR_materials_diffuse_transmission",
     "KHR_materials_emissive_strength",
@@ -107,7 +110,8 @@ impl Default for ReadLimits {
 /// What is read: the nodes of the scene that the file shows, meshes of triangles (lists, strips and
 /// fans), instances, materials with PNG and JPEG images, lights and cameras, and the extensions
 /// `EXT_mesh_gpu_instancing`, `KHR_lights_punctual`, `KHR_materials_diffuse_transmission`,
-/// `KHR_materials_emissive_strength`, `KHR_mesh_quantization` and `KHR_texture_transform`. Missing
+/// `KHR_materials_emissive_strength`, `KHR_mesh_quantization` and `KHR_texture_transform`; of
+/// `EXT_mesh_manifold` the triangles, as of any file. Missing
 /// normals become those of flat triangles. Everything else is left out with a warning, unless the
 /// file says that it cannot be read without it.
 ///

@@ -234,7 +234,7 @@ fn same_length<'b>(elements: Elements<'b>, n: usize, user: &str) -> Result<Eleme
 }
 
 /// Triangles that share no vertices, each with the normal that its corners have.
-fn flat(positions: &[Vec3], uvs: &[Vec2], indices: &[u32]) -> Mesh {
+pub(crate) fn flat(positions: &[Vec3], uvs: &[Vec2], indices: &[u32]) -> Mesh {
     let mut mesh = Mesh {
         positions: Vec::with_capacity(indices.len()),
         normals: Vec::with_capacity(indices.len()),

@@ -173,7 +173,8 @@ impl Emitting<'_> {
     }
 
     fn n_rows(&self) -> usize {
-        let Body { kind: _, rows, lines, lights, cameras, labels, rig: _ } = &self.body;
+        let Body { kind: _, rows, lines, lights, cameras, labels, rig: _, is_solid: _ } =
+            &self.body;
         rows.len() + lines.len() + lights.len() + cameras.len() + labels.len()
     }
 
