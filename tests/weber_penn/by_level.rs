@@ -67,6 +67,36 @@ fn leaves_grow_on_the_levels_that_ask_for_them() {
     assert!(outline.contains(&format!("{n_leaves} leaves")), "{n_leaves}: {outline}");
 }
 
+#[test]
+fn stems_that_get_leaves_do_not_grow_again() {
+    let plain = sapling();
+    let leafy = with(&plain, &[("level.1.leaves", 1.0)]);
+    let mut tree = grown(&plain, 3);
+    let n_stems = tree.parts().stems[1].iter().filter(|stem| stem.clone_of.is_none()).count();
+    tree.set(&leafy);
+    // Where children begin is looked at again, and they are the same; then there are the leaves.
+    let once =
+        [("attribute", 1), ("children", n_stems), ("leaf_surface", n_stems), ("leaves", n_stems)];
+    let compiled = tree.compiled();
+    assert_eq!(compiled.iter().filter(|(kind, _)| *kind != "leaf_surface").count(), 3);
+    for (kind, n) in compiled {
+        let most = once.iter().find(|(known, _)| *known == kind).map_or(0, |(_, most)| *most);
+        assert!(n <= most && (kind == "leaf_surface" || n == most), "{n} {kind}");
+    }
+    assert!(!leaves_by_level(&mut tree)[1].is_empty());
+    // Back: nothing is left to do but to look.
+    tree.set(&plain);
+    assert!(tree.compiled().iter().all(|(kind, _)| ["attribute", "children"].contains(kind)));
+    assert!(leaves_by_level(&mut tree)[1].is_empty());
+    // What sways carries them too.
+    tree.set(&leafy);
+    let swaying = sapwood::swaying_rules().over(&sapwood::standard_rules());
+    let view = tree.scene.open_view(tree.family, &swaying).unwrap();
+    let list = tree.scene.draw_list(view, 1_000_000).unwrap();
+    assert_eq!(digest(&list), digest(&tree.draw_list()));
+    assert!(list.placed_rows().all(|(_, row)| row.follows.is_some()));
+}
+
 /// Triangles of the wood.
 fn wood(list: &DrawList) -> usize {
     let rows = list.placed_rows().filter(|(_, row)| row.instances.is_none());

@@ -6,7 +6,7 @@ use sapwood::geom::glam::{Affine3, Vec3};
 use sapwood::geom::{Image, Mesh, Shared};
 use sapwood::graph::{Alpha, DrawList, DrawRow, Eye, Material, Poses, Wind};
 use sapwood::rules::weber_penn::{
-    FoliageSlot, LeafMesh, LeafShape, Species, WrittenImage, WrittenMesh, leaf_mesh,
+    FoliageSlot, LeafMesh, LeafShape, OwnLeafImage, Species, WrittenImage, WrittenMesh, leaf_mesh,
 };
 use sapwood::scene::{Time, Viewer, WindSlot};
 
@@ -39,7 +39,8 @@ fn image() -> Image {
 
 fn with_image(image: Image) -> Species {
     let mut species = sapling();
-    species.leaves.image = Some(WrittenImage { path: String::new(), image: Shared::new(image) });
+    let image = OwnLeafImage::new(Shared::new(image));
+    species.leaves.image = Some(WrittenImage { path: String::new(), image });
     species.leaves.scale_x = 1.0;
     species
 }

@@ -160,7 +160,7 @@ pub(crate) struct TreeArguments {
         requires = "prune"
     )]
     pub(crate) prune_ratio: Option<f32>,
-    /// Draw each leaf as what a .glb or .gltf file shows: a leaf, a flower, a fruit. The file's origin
+    /// Draw each leaf as what a .glb, .gltf or .obj file shows: a leaf, a flower, a fruit. The file's origin
     /// is where the stalk ends, +z leads along the leaf, +y is its upper side; it becomes as long as
     /// the leaves of the species and keeps its proportions
     #[arg(long, value_name = "FILE")]

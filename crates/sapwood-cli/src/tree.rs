@@ -134,14 +134,9 @@ fn limited(mut species: Species, levels: Option<u32>) -> Result<Species, Failure
     Ok(species)
 }
 
-/// The species with a share of its leaves, which are larger. Where there are fans alone, they are
-/// few and stay.
+/// The species with a share of its leaves, which are larger, but for those in fans.
 fn thinned(mut species: Species, quality: f32) -> Species {
-    let n_levels = species.level.len().min(species.levels as usize - 1);
-    let has_others = species.level[..n_levels].iter().any(|level| level.leaves > 0);
-    if species.leaves.count >= 0 || has_others {
-        species.leaves.quality *= quality;
-    }
+    species.leaves.quality *= quality;
     species
 }
 

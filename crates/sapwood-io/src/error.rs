@@ -45,7 +45,7 @@ pub enum ErrorKind {
     NotUtf8,
     /// The text is not written in its format.
     Syntax {
-        /// The format: `"TOML"`, `"XML"`, `"JSON"`, `"GLB"`, `"PNG"` or `"JPEG"`.
+        /// The format: `"TOML"`, `"XML"`, `"JSON"`, `"GLB"`, `"OBJ"`, `"PNG"` or `"JPEG"`.
         format: &'static str,
         /// What the parser met and what it expected.
         message: String,

@@ -14,7 +14,11 @@ fn write(path: &Path, mesh: Mesh) {
     let held = scene.add(HeldGeometry::new(mesh, Material::matte("pear", 0.7, 0.6, 0.1)));
     let view = scene.open_view(held, &sapwood::standard_rules()).expect("the mesh is there");
     let list = scene.draw_list(view, 10).expect("nobody interrupts");
-    sapwood::io::write_glb(path, &list).expect("the folder can be written");
+    match path.extension().is_some_and(|ending| ending == "obj") {
+        true => sapwood::io::write_obj(path, &list),
+        false => sapwood::io::write_glb(path, &list),
+    }
+    .expect("the folder can be written");
 }
 
 #[test]
@@ -34,6 +38,8 @@ fn leaves_are_drawn_as_a_file_shows_them() {
     let wood = wood - 2 * n_leaves;
     let [pears, triangles] = counts("--leaf-mesh pear.glb");
     assert_eq!((pears, triangles), (n_leaves, wood + 20 * n_leaves));
+    write(&at.join("pear.obj"), leaf_mesh(LeafShape::Sphere));
+    assert_eq!(counts("--leaf-mesh pear.obj"), [n_leaves, triangles]);
     let both = counts("--leaf-mesh pear.glb --leaf-image leaf.png");
     assert_eq!(both, [n_leaves, triangles]);
     for options in ["--range 90", "--wind 5,2", "--weld stem", "--detail draft"] {
@@ -50,6 +56,9 @@ fn files_that_are_no_leaves_are_told_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
     std::fs::write(at.join("no.glb"), "glTF?").unwrap();
+    std::fs::write(at.join("no.obj"), "v 0 0 0\nv 0 0 1\nf 1 2 3\n").unwrap();
+    let said = fails(at, "grow palm --leaf-mesh no.obj", 1);
+    assert!(said.contains("no.obj:3:1: not valid OBJ: the corner '3'"), "{said}");
     let mut behind = leaf_mesh(LeafShape::Sphere);
     behind.positions.iter_mut().for_each(|position| position.z -= 2.0);
     write(&at.join("behind.glb"), behind);

@@ -12,6 +12,8 @@
 mod materials;
 mod numbers;
 mod pieces;
+mod read;
+mod read_materials;
 mod scribe;
 
 use std::io;
@@ -21,6 +23,7 @@ use sapwood_graph::DrawList;
 
 use crate::{Error, ErrorKind, FileSet};
 use materials::Materials;
+pub(crate) use read::{ObjModel, read_obj};
 
 /// Where [`write_obj`] puts the materials: beside the file at `path`, with the ending `.mtl`.
 ///

@@ -3,9 +3,8 @@
 use glam::Vec3;
 use sapwood_geom::{SharedMesh, content};
 
-use super::geometry::{is_cut_out, proportion};
 use super::params::grouping;
-use super::{CrownShape, LeafShape, LeafTarget, LeavesSpec, Species};
+use super::{CrownShape, LeafShape, LeafTarget, LeavesSpec, OwnLeafImage, Species};
 
 /// How far built-in shapes reach: half their width is the most by which they are off the midrib, and
 /// what stands for them from afar may be 1.2 times their width off that.
@@ -14,8 +13,9 @@ const REACH: Vec3 = Vec3::new(1.2, 0.5, 1.0);
 /// How far leaves of a species reach before they are made long and wide.
 fn reach(leaves: &LeavesSpec) -> Vec3 {
     let mesh = leaves.mesh.as_ref().map_or(Vec3::ZERO, |own| own.mesh.reach());
-    let image = leaves.image.as_ref().filter(|own| leaves.mesh.is_none() && is_cut_out(&own.image));
-    let card = image.map_or(0.0, |own| proportion(&own.image));
+    let image = leaves.image.as_ref().map(|own| &own.image);
+    let image = image.filter(|image| leaves.mesh.is_none() && image.is_cut_out());
+    let card = image.map_or(0.0, OwnLeafImage::proportion);
     // A card covers as much as a triangle of twice its half width.
     REACH.max(mesh).max(card * Vec3::X)
 }
@@ -43,7 +43,7 @@ pub struct LeafParams {
     pub stem_len: f32,
     /// LeafDistrib.
     pub distrib: CrownShape,
-    /// LeafQuality, above 0.
+    /// LeafQuality, above 0; does nothing to fans.
     pub quality: f32,
     /// How strongly leaves turn toward a direction or a point.
     pub attraction: f32,
@@ -132,11 +132,14 @@ impl LeafParams {
     }
 
     /// These with leaves as long as the longest of any level once a share is left of those that are
-    /// no fans.
+    /// no fans: as those of a fan where there is nothing else.
     pub(crate) fn longest_thinned(&self, share: f32) -> Self {
-        let is_thinned = self.on_levels.iter().chain([&self.count]).any(|count| *count > 0);
-        let longest = Self { count: if is_thinned { 1 } else { -1 }, ..self.clone() };
-        Self { count: self.count, ..longest.thinned(share) }
+        let counts = || self.on_levels.iter().chain([&self.count]).copied();
+        let count = match counts().any(|count| count > 0) {
+            true => self.count.max(0),
+            false => counts().min().unwrap_or(0),
+        };
+        Self { count, ..self.clone() }.thinned(share)
     }
 
     /// These with all that growth does not ask for set to what they say of no species: two that
@@ -144,7 +147,8 @@ impl LeafParams {
     pub fn of_growth(&self) -> Self {
         let (shape, scale, scale_x, stem_len) = (LeafShape::Oval, 1.0, 1.0, 0.0);
         let (mesh, reach, on_levels) = (None, REACH, [0; 4]);
-        Self { on_levels, shape, mesh, reach, scale, scale_x, stem_len, ..self.clone() }
+        let quality = if self.count < 0 { 1.0 } else { self.quality };
+        Self { on_levels, shape, mesh, reach, scale, scale_x, stem_len, quality, ..self.clone() }
     }
 
     /// The length of the petiole in metres.
@@ -152,9 +156,10 @@ impl LeafParams {
         self.stem_len * self.length()
     }
 
-    /// The length of a leaf in metres; thinning by quality keeps the total area.
+    /// The length of a leaf in metres; thinning by quality keeps the total area. Leaves of a fan are
+    /// not thinned, and so they are no larger.
     pub fn length(&self) -> f32 {
-        self.scale / self.quality.sqrt()
+        if self.count < 0 { self.scale } else { self.scale / self.quality.sqrt() }
     }
 
     /// The width of a leaf in metres.
@@ -166,6 +171,24 @@ impl LeafParams {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn quality_enlarges_no_fan_whatever_else_grows() {
+        for (last, below) in [(-7, 20), (20, -7), (-7, -7)] {
+            let mut species = Species::default();
+            (species.leaves.count, species.level[1].leaves) = (last, below);
+            species.leaves.quality = 0.25;
+            let leaves = LeafParams::new(&species);
+            for (level, count) in [(1, below), (species.levels as u8 - 1, last)] {
+                let on = leaves.on_level(level, species.levels);
+                let expected = if count < 0 { 1.0 } else { 2.0 } * species.leaves.scale;
+                assert_eq!((on.count, on.length()), (count, expected), "{last} {below}");
+                // Where fans grow follows from other things.
+                let whole = LeafParams { quality: 1.0, ..on.clone() };
+                assert_eq!(on.of_growth() == whole.of_growth(), count < 0);
+            }
+        }
+    }
 
     #[test]
     fn no_leaf_is_longer_than_the_longest_whatever_is_a_fan() {

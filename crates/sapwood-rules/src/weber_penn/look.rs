@@ -8,8 +8,8 @@ use sapwood_geom::{SharedMesh, content};
 use sapwood_graph::{Alpha, Material};
 use sapwood_images::{BarkImage, BarkKind, LeafImage, LeafOutline, Paint, PaintedMaterial};
 
-use super::geometry::{half_width, image_card, image_material, is_cut_out, spot, spot_of_card};
-use super::{Detail, LeafShape, LeavesSpec, Species};
+use super::geometry::{half_width, spot};
+use super::{Detail, LeafShape, LeavesSpec, OwnLeafImage, Species};
 
 /// The bark of a species.
 #[derive(Clone, Debug, PartialEq)]
@@ -179,13 +179,13 @@ impl OwnLook {
         let translucency = leaves.translucency.unwrap_or(TRANSLUCENCY);
         let roughness = leaf_roughness(leaves.roundness);
         let image = leaves.image.as_ref().map(|own| &own.image);
-        let shown = image.map(|image| Arc::new(image_material(image, roughness, translucency)));
+        let shown = image.map(|image| Arc::new(image.material(roughness, translucency)));
         let Some(own) = &leaves.mesh else {
-            let cut_out = image.filter(|image| is_cut_out(image));
+            let cut_out = image.filter(|image| image.is_cut_out());
             return Self {
                 material: shown,
-                card: cut_out.map(|image| SharedMesh::new(image_card(image))),
-                spot: cut_out.map_or(BESIDE_MIDRIB, |image| spot_of_card(image)),
+                card: cut_out.map(|image| SharedMesh::new(image.card())),
+                spot: cut_out.map_or(BESIDE_MIDRIB, OwnLeafImage::spot),
             };
         };
         let [red, green, blue] = color;

@@ -30,7 +30,7 @@ pub use components::{
 };
 pub use fading::{FadingItem, FadingParams, Season, faded};
 pub use geometry::{
-    Detail, LeafMesh, LeafMeshFault, LevelDetail, closed_stems, leaf_card, leaf_mesh,
+    Detail, LeafMesh, LeafMeshFault, LevelDetail, OwnLeafImage, closed_stems, leaf_card, leaf_mesh,
     segments as stem_segments, surface,
 };
 pub use growth::{

@@ -220,8 +220,6 @@ pub struct Level {
     /// tree-gen's branch_dist, in its dialect only: 0 alternate, 1 opposite, above 1 whorls of one
     /// more.
     pub grouping: Option<f32>,
-    /// Whether stems of this level have leaves though it is not the last.
-    pub is_leafy: bool,
 }
 
 content!(Level {
@@ -247,7 +245,6 @@ content!(Level {
     base_size,
     bend_v,
     grouping,
-    is_leafy,
 });
 
 impl Level {
@@ -283,7 +280,6 @@ impl Level {
             base_size: if trunk { 0.0 } else { per_level(ext.and_then(|e| e.base_size), 0.0) },
             bend_v: per_level(ext.and_then(|ext| ext.bend_v), 0.0).to_radians(),
             grouping: grouping(species, n),
-            is_leafy: spec.leaves != 0,
         }
     }
 

@@ -7,6 +7,7 @@
 
 mod fading;
 mod geometry;
+mod leaves;
 mod map;
 mod pruning;
 mod roots;
@@ -29,7 +30,7 @@ pub fn full() -> RuleSet {
         .with(structure::ChildrenRule)
         .with(structure::TwigsRule)
         .with(roots::RootsRule)
-        .with(structure::LeavesRule)
+        .with(leaves::LeavesRule)
         // geometry: what it looks like
         .with(geometry::StemSurfaceRule)
         .with(geometry::LeafModelRule)

@@ -1,14 +1,11 @@
-//! Leaves of somebody's own: a mesh instead of a built-in shape, and the card that an image is
-//! shown on. Where they come from is left to others.
+//! A mesh of somebody's own instead of a built-in leaf shape. Where it comes from is left to others.
 
 use std::fmt;
 use std::sync::Arc;
 
-use glam::{Affine3, Vec2, Vec3};
-use sapwood_geom::{Image, Mesh, Shared, SharedMesh, content};
-use sapwood_graph::{Alpha, Material};
-
-use crate::weber_penn::look::BESIDE_MIDRIB;
+use glam::{Affine3, Vec3};
+use sapwood_geom::{Mesh, SharedMesh, content};
+use sapwood_graph::Material;
 
 /// A mesh that stands for one leaf, whatever it shows: a leaf, a flower, a fruit.
 ///
@@ -68,7 +65,7 @@ impl fmt::Display for LeafMeshFault {
 impl std::error::Error for LeafMeshFault {}
 
 /// The most by which a leaf may be wider than long.
-const WIDEST: f32 = 1000.0;
+pub(super) const WIDEST: f32 = 1000.0;
 
 impl LeafMesh {
     /// The most triangles that one leaf may have.
@@ -128,85 +125,6 @@ impl LeafMesh {
     pub(crate) fn reach(&self) -> Vec3 {
         self.reach
     }
-}
-
-/// Coverage below this is cut out of an image.
-const CUT_OUT: u8 = 128;
-
-/// Whether parts of an image are cut out, so that the leaf's outline is in it.
-pub(crate) fn is_cut_out(image: &Image) -> bool {
-    image.pixels.iter().any(|pixel| pixel[3] < CUT_OUT)
-}
-
-/// How wide an image is against its height.
-pub(crate) fn proportion(image: &Image) -> f32 {
-    (image.width as f32 / image.height.max(1) as f32).clamp(1.0 / WIDEST, WIDEST)
-}
-
-/// The card that an image is shown on: one long, in the image's proportions, its upper edge at the
-/// tip.
-pub(crate) fn image_card(image: &Image) -> Mesh {
-    let half = 0.5 * proportion(image);
-    // Seen from above with the tip up, x runs to the left.
-    Mesh {
-        positions: [(half, 0.0), (-half, 0.0), (half, 1.0), (-half, 1.0)]
-            .map(|(x, z)| Vec3::new(x, 0.0, z))
-            .to_vec(),
-        normals: vec![Vec3::Y; 4],
-        uvs: [(0.0, 1.0), (1.0, 1.0), (0.0, 0.0), (1.0, 0.0)].map(Vec2::from).to_vec(),
-        indices: vec![1, 3, 0, 3, 2, 0],
-    }
-}
-
-/// The material of leaves that show an image as it is.
-pub(crate) fn image_material(image: &Shared<Image>, roughness: f32, translucency: f32) -> Material {
-    let mut material = Material {
-        double_sided: true,
-        roughness,
-        translucency,
-        alpha: if is_cut_out(image) { Alpha::Mask(0.5) } else { Alpha::Opaque },
-        ..Material::matte("leaf", 1.0, 1.0, 1.0)
-    };
-    material.images.base_color = Some(image.clone());
-    material
-}
-
-/// Where on the texture something lies that an image does not cut out, of the places that triangles
-/// of a leaf show: the middle of the largest one for which that holds.
-pub(crate) fn spot(mesh: &Mesh, image: Option<&Image>) -> Vec2 {
-    let area_and_middle = |t: &[u32]| {
-        let [a, b, c] = [t[0], t[1], t[2]].map(|i| mesh.positions[i as usize]);
-        let uvs = [t[0], t[1], t[2]].map(|i| mesh.uvs[i as usize]);
-        ((b - a).cross(c - a).length(), (uvs[0] + uvs[1] + uvs[2]) / 3.0)
-    };
-    let is_there = |uv: Vec2| image.is_none_or(|image| coverage(image, uv) >= CUT_OUT);
-    let triangles = mesh.indices.chunks_exact(3).map(area_and_middle);
-    let shown = triangles.filter(|(_, uv)| is_there(*uv));
-    let largest = shown.max_by(|(a, _), (b, _)| a.total_cmp(b));
-    largest.map_or(BESIDE_MIDRIB, |(_, uv)| uv)
-}
-
-/// Where on a card of its own an image is not cut out: as near beside its middle as can be.
-pub(crate) fn spot_of_card(image: &Image) -> Vec2 {
-    let wanted = BESIDE_MIDRIB;
-    let (width, height) = (image.width, image.height);
-    let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-    let place = |(x, y): (u32, u32)| {
-        Vec2::new((x as f32 + 0.5) / width as f32, (y as f32 + 0.5) / height as f32)
-    };
-    let there = places.zip(&image.pixels).filter(|(_, pixel)| pixel[3] >= CUT_OUT);
-    let places = there.map(|(at, _)| place(at));
-    let nearest =
-        places.min_by(|a, b| a.distance_squared(wanted).total_cmp(&b.distance_squared(wanted)));
-    nearest.unwrap_or(wanted)
-}
-
-fn coverage(image: &Image, uv: Vec2) -> u8 {
-    let pixel = |share: f32, n: u32| ((share - share.floor()) * n as f32) as u32;
-    let x = pixel(uv.x, image.width).min(image.width.saturating_sub(1));
-    let y = pixel(uv.y, image.height).min(image.height.saturating_sub(1));
-    let pixel = image.pixels.get(y as usize * image.width as usize + x as usize);
-    pixel.map_or(u8::MAX, |pixel| pixel[3])
 }
 
 /// Whether a leaf is a body and no sheet.
@@ -272,29 +190,5 @@ mod tests {
             many.append(&more, &Affine3::IDENTITY);
         }
         assert!(told(&many).contains("at most 65536"), "{}", told(&many));
-    }
-
-    #[test]
-    fn cards_show_their_image_the_right_way_round() {
-        let image = Image::from_fn(2, 4, |x, y| [0, 0, 0, if (x, y) == (1, 0) { 255 } else { 0 }]);
-        let card = image_card(&image);
-        assert_eq!(card.fault(), None);
-        for t in card.indices.chunks_exact(3) {
-            let [a, b, c] = [t[0], t[1], t[2]].map(|i| card.positions[i as usize]);
-            assert!((b - a).cross(c - a).y > 0.0);
-        }
-        for (position, uv) in card.positions.iter().zip(&card.uvs) {
-            assert_eq!((position.z, position.x), (1.0 - uv.y, 0.5 * (0.5 - uv.x)));
-        }
-        assert_eq!(spot_of_card(&image), Vec2::new(0.75, 0.125));
-        assert!(is_cut_out(&image));
-    }
-
-    #[test]
-    fn what_stands_for_a_mesh_shows_what_is_not_cut_out() {
-        // Only the upper half is there; the largest triangles of a strip lie in the middle.
-        let image = Image::from_fn(1, 8, |_, y| [0, 0, 0, if y < 4 { 255 } else { 0 }]);
-        let uv = spot(&leaf_mesh(LeafShape::Oval), Some(&image));
-        assert!(uv.y < 0.5, "{uv}");
     }
 }

@@ -38,8 +38,8 @@ impl Limit {
     /// An envelope that stands in tree space. `ratio` is the paper's PruneRatio: 0 leaves stems
     /// alone, 1 holds them fully inside.
     ///
-    /// Trunks are shortened where they leave the envelope again after they were inside; what
-    /// stands outside from its foot is kept.
+    /// Trunks and roots are shortened where they leave the envelope again after they were inside;
+    /// what stands outside from its foot is kept.
     pub fn new(envelope: Envelope, ratio: f32) -> Self {
         Self { envelope, to_envelope: None, ratio, holds_trunks: true }
     }
@@ -106,6 +106,21 @@ pub fn fit<E>(
     limits: &[Limit],
     charge: &mut impl FnMut(usize) -> Result<(), E>,
 ) -> Result<Vec<f32>, E> {
+    let are_trunks = seeds.first().is_some_and(|first| first.level == 0);
+    fit_standing(are_trunks, seeds, crown, level, target, limits, charge)
+}
+
+/// As [`fit`]; `stand` tells whether the stems begin at the ground, as trunks and roots do, and are
+/// kept where they stand outside from their foot.
+pub(crate) fn fit_standing<E>(
+    stand: bool,
+    seeds: &[StemSeed],
+    crown: &Crown,
+    level: &Level,
+    target: &Target,
+    limits: &[Limit],
+    charge: &mut impl FnMut(usize) -> Result<(), E>,
+) -> Result<Vec<f32>, E> {
     let mut shares = vec![1.0; seeds.len()];
     let soft = limits.iter().filter(|limit| limit.ratio < 1.0);
     let firm: Vec<&Limit> = limits.iter().filter(|limit| limit.ratio >= 1.0).collect();
@@ -115,7 +130,7 @@ pub fn fit<E>(
         let left: Vec<StemSeed> =
             seeds.iter().zip(&shares).map(|(seed, share)| scaled(seed, *share)).collect();
         let ratio = limits.first().map_or(1.0, |limit| limit.ratio.clamp(0.0, 1.0));
-        let trial = Trial { crown, level, target, limits: &limits };
+        let trial = Trial { crown, level, target, limits: &limits, stand };
         let fitting = trial.shares(&left, charge)?;
         for (share, fitting) in shares.iter_mut().zip(fitting) {
             *share *= 1.0 - (1.0 - fitting) * ratio;
@@ -153,6 +168,8 @@ struct Trial<'a> {
     target: &'a Target,
     /// All of these at once.
     limits: &'a [&'a Limit],
+    /// Whether stems begin at the ground.
+    stand: bool,
 }
 
 impl Trial<'_> {
@@ -182,9 +199,9 @@ impl Trial<'_> {
         Ok(shares)
     }
 
-    /// The limits that hold stems of a level.
-    fn holding(&self, level: u8) -> impl Iterator<Item = &Limit> {
-        self.limits.iter().copied().filter(move |limit| level > 0 || limit.holds_trunks)
+    /// The limits that hold the stems.
+    fn holding(&self) -> impl Iterator<Item = &Limit> {
+        self.limits.iter().copied().filter(|limit| !self.stand || limit.holds_trunks)
     }
 
     /// On which side of the limits a stem lies; what stands outside from its foot as a trunk does is
@@ -193,10 +210,10 @@ impl Trial<'_> {
         // Segments end within the stem's length of its base.
         let reach = Sphere { center: seed.frame.origin, radius: 1.001 * seed.length };
         let mut side = Side::Inside;
-        for limit in self.holding(seed.level) {
+        for limit in self.holding() {
             match limit.side_of(reach) {
                 Side::Inside => {}
-                Side::Outside if seed.level == 0 => {}
+                Side::Outside if self.stand => {}
                 Side::Outside => return Side::Outside,
                 Side::Crossing => side = Side::Crossing,
             }
@@ -276,23 +293,22 @@ impl Trial<'_> {
     }
 
     /// Whether a stem and its clones fit, were they scaled by `share` about `base`: all segments
-    /// end inside; those of trunks do once one did.
+    /// end inside; those of what stands do once one did.
     fn fits(&self, stems: &Stems, range: Range<usize>, base: Vec3, share: f32) -> bool {
-        let level = stems.stems.get(range.start).map_or(0, |stem| stem.seed.level);
-        self.holding(level).all(|limit| {
+        self.holding().all(|limit| {
             let is_inside = |end: Vec3| limit.contains(base + share * (end - base));
-            if level > 0 {
+            if !self.stand {
                 return range.clone().all(|stem| {
                     stems.segments_of(stem).iter().all(|segment| is_inside(segment.end()))
                 });
             }
-            trunk_fits(stems, range.clone(), base, &is_inside)
+            standing_fits(stems, range.clone(), base, &is_inside)
         })
     }
 }
 
-/// Whether a trunk and its clones leave nothing that they were inside of.
-fn trunk_fits(
+/// Whether a trunk or root and its clones leave nothing that they were inside of.
+fn standing_fits(
     stems: &Stems,
     range: Range<usize>,
     base: Vec3,

@@ -29,6 +29,7 @@ pub(super) use children::children_on;
 #[cfg(test)]
 pub(super) use children::n_children;
 pub(super) use curve::helix_radius;
+pub(super) use fit::fit_standing;
 pub use fit::{Limit, fit};
 pub use frame::Frame;
 pub use grow::grow;

@@ -447,7 +447,8 @@ fn leaf_reach(leaves: &LeafParams) -> f32 {
     if leaves.any_count() == 0 {
         return 0.0;
     }
-    let (length, width) = (leaves.length().abs(), leaves.width().abs());
+    let longest = leaves.longest_thinned(1.0);
+    let (length, width) = (longest.length().abs(), longest.width().abs());
     let tip = leaves.reach * Vec3::new(width, width, length);
     leaves.stem_len.abs() * length + tip.length()
 }

@@ -6,9 +6,10 @@ use std::f32::consts::TAU;
 use sapwood_geom::Purpose;
 
 use super::children::{SHORTEST, THINNEST};
+use super::curve::helix_radius;
 use super::stem::{StemSeed, Stems};
 use super::variation::{Draws, greatest_deviation};
-use crate::weber_penn::{Crown, RootParams};
+use crate::weber_penn::{Crown, Level, RootParams};
 
 // Keys of roots below their trunk's path; children are numbered from 0, clones from 2^63.
 const ROOT_KEY: u64 = 1 << 62;
@@ -72,5 +73,8 @@ pub(crate) fn root_reach(params: &RootParams, crown: &Crown, thickness: f32) -> 
         return 0.0;
     }
     let spread = greatest_deviation(crown.variation) * params.length_v.abs();
-    (params.length + spread).max(0.0) + 2.0 * params.radius * thickness
+    let Level { curve_v, curve_res, .. } = params.level;
+    // The turns of a helix lead around where it leads.
+    let helix = 2.0 * helix_radius(curve_v, 1.0 / curve_res.max(1) as f32);
+    (1.0 + helix) * (params.length + spread).max(0.0) + 2.0 * params.radius * thickness
 }

@@ -16,13 +16,14 @@ use super::super::geometry::{
 use super::super::growth::leaves_at;
 use super::super::look::BESIDE_MIDRIB;
 use super::super::slots::{
-    BarkLookSlot, BarkSlot, CrownSlot, DetailSlot, FoliageSlot, LeafLookSlot, LeavesSlot,
-    LevelDetailSlot, TrunkFormSlot,
+    BarkLookSlot, BarkSlot, CrownSlot, DetailSlot, FoliageSlot, LeafLookSlot, LevelDetailSlot,
+    TrunkFormSlot,
 };
 use super::super::{
     Crown, Detail, Leaf, LeafModel, LeafParams, LeafShape, LeafSurface, LevelDetail, Species, Stem,
     StemSurface, Stems, TrunkForm, closed_stems, leaf_card, leaf_mesh,
 };
+use super::leaves::LeavesOnLevel;
 use super::skeleton::draw_stem_lines;
 use super::structure::level;
 use super::swaying::{Carried, segments_of};
@@ -269,8 +270,8 @@ pub(super) fn leaf_dress<'a>(
     let style = *cx.read::<StyleSlot>();
     let crown = cx.read::<CrownSlot>();
     let detail = cx.read::<DetailSlot>();
-    let on = of.stems.stems.first().map_or(0, |stem| stem.seed.level);
-    let params = cx.read::<LeavesSlot>().on_level(on, crown.levels).thinned(detail.leaves);
+    let level = of.stems.stems.first().map_or(0, |stem| stem.seed.level);
+    let params = cx.project(LeavesOnLevel { level });
     let mut roundness = 0.0;
     let (foliage, worn) = if style == Style::Solid {
         let look = cx.read::<LeafLookSlot>();

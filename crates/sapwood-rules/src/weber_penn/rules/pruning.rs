@@ -10,8 +10,10 @@ use glam::{Affine3, Vec3};
 use sapwood_geom::{Content, Digester, Shared, Side};
 use sapwood_scene::{Context, EnvelopeSlot, Placement, Projection, RuleError, SlotReader};
 
-use super::super::growth::{Limit, Reach, fit, is_attracted};
-use super::super::slots::{CrownSlot, IsPrunedSlot, LevelSlot, PruneRatioSlot, StemTargetSlot};
+use super::super::growth::{Limit, Reach, fit_standing, is_attracted};
+use super::super::slots::{
+    CrownSlot, IsPrunedSlot, LevelSlot, PruneRatioSlot, RootsSlot, StemTargetSlot,
+};
 use super::super::{Crown, Level, StemSeed, Target};
 use super::structure::upright;
 
@@ -62,6 +64,8 @@ impl Projection for IsPruned {
 /// How long stems may be under the envelope; in tree space.
 struct Shares {
     seeds: Shared<Vec<StemSeed>>,
+    /// Whether they are roots: these grow by parameters of their own, from the ground as trunks do.
+    are_roots: bool,
     /// How many stems, segments and clones may be grown to be looked at and thrown away.
     most: u64,
 }
@@ -69,7 +73,7 @@ struct Shares {
 impl Content for Shares {
     fn write(&self, digester: &mut Digester) {
         // Not how many may be tried: where that is too few, nothing that was read is remembered.
-        digester.add(&self.seeds);
+        digester.add(&self.seeds).add(&self.are_roots);
     }
 }
 
@@ -88,16 +92,24 @@ impl Projection for Shares {
         if limits.is_empty() {
             return whole;
         }
-        let level = match first.level {
-            0 => slots.read::<LevelSlot<0>>(),
-            1 => slots.read::<LevelSlot<1>>(),
-            2 => slots.read::<LevelSlot<2>>(),
-            _ => slots.read::<LevelSlot<3>>(),
+        let (roots, levels);
+        let level = if self.are_roots {
+            roots = slots.read::<RootsSlot>();
+            &roots.level
+        } else {
+            levels = match first.level {
+                0 => slots.read::<LevelSlot<0>>(),
+                1 => slots.read::<LevelSlot<1>>(),
+                2 => slots.read::<LevelSlot<2>>(),
+                _ => slots.read::<LevelSlot<3>>(),
+            };
+            &*levels
         };
         let up = || Arc::new(Target::Up);
         let target = if is_attracted(first.level) { slots.read::<StemTargetSlot>() } else { up() };
-        let shares =
-            fit(&self.seeds, &crown, &level, &target, &limits, &mut trying(self.most)).ok()?;
+        let stand = self.are_roots || first.level == 0;
+        let (seeds, trying) = (&self.seeds, &mut trying(self.most));
+        let shares = fit_standing(stand, seeds, &crown, level, &target, &limits, trying).ok()?;
         Some(if shares.iter().all(|share| *share == 1.0) { Vec::new() } else { shares })
     }
 }
@@ -112,22 +124,24 @@ fn trying(most: u64) -> impl FnMut(usize) -> Result<(), TooMany> {
 }
 
 /// The seeds as long as the species' own envelope and the one above the tree let them be;
-/// nothing where all are whole.
+/// nothing where all are whole. Roots grow by the level of [`RootsSlot`].
 pub(super) fn fitted(
     cx: &mut Context<'_>,
     seeds: &[StemSeed],
     crown: &Crown,
     level: &Level,
     target: &Target,
+    are_roots: bool,
 ) -> Result<Option<Vec<StemSeed>>, RuleError> {
     let Some(first) = seeds.first() else { return Ok(None) };
     let most = cx.most_parts();
     let shares = if *cx.read::<IsPrunedSlot>() {
         cx.checkpoint()?;
-        cx.project(Shares { seeds: Shared::new(seeds.to_vec()), most })
+        cx.project(Shares { seeds: Shared::new(seeds.to_vec()), are_roots, most })
     } else if let Some(limit) = Limit::of_species(crown, first.scale_tree) {
         cx.checkpoint()?;
-        fit(seeds, crown, level, target, &[limit], &mut trying(most)).ok()
+        let stand = are_roots || first.level == 0;
+        fit_standing(stand, seeds, crown, level, target, &[limit], &mut trying(most)).ok()
     } else {
         return Ok(None);
     };

@@ -1,5 +1,4 @@
-//! Roots: stems of their own below the trunks, which nothing grows on, no envelope holds and no wind
-//! moves.
+//! Roots: stems of their own below the trunks, which nothing grows on and no wind moves.
 
 use sapwood_geom::{Content, Digester, Shared};
 use sapwood_graph::Named;
@@ -7,6 +6,7 @@ use sapwood_scene::{Context, Projection, Rule, RuleError, SlotReader};
 
 use super::super::slots::{CrownSlot, RootsSlot};
 use super::super::{Roots, Stem, StemSurface, Stems, Target, grow, roots};
+use super::pruning::fitted;
 use super::structure::{add_stem_parts, charging};
 
 /// Compiles the roots of trunks into their stems.
@@ -21,10 +21,13 @@ impl Rule for RootsRule {
         let params = cx.read::<RootsSlot>();
         let crown = cx.read::<CrownSlot>();
         let seeds = roots(&of.stems, &crown, &params, &mut charging(cx))?;
-        let stems = grow(&seeds, &crown, &params.level, &Target::Up, &mut charging(cx))?;
+        let fitted = fitted(cx, &seeds, &crown, &params.level, &Target::Up, true)?;
+        let seeds = fitted.as_ref().unwrap_or(&seeds);
+        let stems = grow(seeds, &crown, &params.level, &Target::Up, &mut charging(cx))?;
         // They follow from these alone.
         let mut digester = Digester::new();
         digester.add(Roots::NAME).add(Stem::NAME).add(&of.stems).add(&*crown).add(&*params);
+        digester.add(&fitted);
         let stems = Shared::with_digest(digester.finish(), stems);
         add_stem_parts(&stems, cx);
         if !stems.stems.is_empty() {
@@ -43,7 +46,7 @@ pub(super) fn emit_roots(stems: &Shared<Stems>, cx: &mut Context<'_>) {
 }
 
 /// Whether trunks have roots; what they are like is not the trunks' business.
-struct HasRoots;
+pub(super) struct HasRoots;
 
 impl Content for HasRoots {
     fn write(&self, _: &mut Digester) {}

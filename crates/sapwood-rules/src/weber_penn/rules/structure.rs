@@ -1,14 +1,12 @@
-//! What grows where: trees into branches, branches into children, children into branches or
-//! twigs, and leaves to their places.
+//! What grows where: trees into branches, branches into children, and children into branches or
+//! twigs.
 
 use std::sync::Arc;
 
 use glam::{Affine3, Vec3};
 use sapwood_geom::{Content, Digest, Digester, Shared, StreamPath};
 use sapwood_graph::{Interrupted, Named};
-use sapwood_scene::{
-    ChildPath, Context, Placement, Projection, Rule, RuleError, SlotReader, Style, StyleSlot,
-};
+use sapwood_scene::{ChildPath, Context, Placement, Projection, Rule, RuleError, SlotReader};
 
 use super::super::growth::{Reach, children_on, is_attracted};
 use super::super::slots::{
@@ -16,10 +14,10 @@ use super::super::slots::{
     RootsSlot, StemTargetSlot, TrunkFormSlot,
 };
 use super::super::{
-    Branch, Children, Crown, Leaf, LeafParams, LeafPlaces, LeafSurface, LeafTarget, Leaves, Level,
-    Seed, Segment, Stem, StemSeed, StemSurface, Stems, Target, Tree, Twigs, grow, leaf_places,
-    trunks,
+    Branch, Children, Crown, LeafTarget, Leaves, Level, Seed, Segment, Stem, StemSeed, StemSurface,
+    Stems, Target, Tree, Twigs, grow, trunks,
 };
+use super::leaves::emit_leaves_beside;
 use super::pruning::{IsPruned, fitted};
 use super::roots::emit_roots;
 
@@ -287,6 +285,7 @@ impl Rule for ChildrenRule {
             }
             Offspring::Twigs(seeds) => cx.emit(Twigs { seeds: seeds.clone() }),
         }
+        emit_leaves_beside(parents, cx);
         Ok(offspring)
     }
 }
@@ -342,81 +341,14 @@ pub(super) fn twig_stems(twigs: &Twigs, cx: &mut Context<'_>) -> Result<Shared<S
     grown(cx, &twigs.seeds, Digest::of(twigs))
 }
 
-/// Emits what grows on stems: the next level, and leaves on the last and wherever there are any.
+/// Emits what grows on stems: the next level, or leaves on the last. Leaves on any other level are
+/// emitted with the next one, so that stems which get some do not grow again.
 fn emit_growth(stems: &Shared<Stems>, cx: &mut Context<'_>) {
     let Some(first) = stems.stems.first() else { return };
-    let crown = cx.read::<CrownSlot>();
-    let is_last = u32::from(first.seed.level) + 1 >= crown.levels;
-    if !is_last {
+    if u32::from(first.seed.level) + 1 < cx.read::<CrownSlot>().levels {
         cx.emit(Children { stems: stems.clone() });
-    }
-    if is_last || level(cx, usize::from(first.seed.level)).is_leafy {
+    } else {
         cx.emit(Leaves { stems: stems.clone() });
-    }
-}
-
-/// Compiles leaves into where they sit; what they look like there is left to others.
-pub(super) struct LeavesRule;
-
-impl Rule for LeavesRule {
-    type Component = Leaves;
-    type Data = ();
-    const NAME: &'static str = "weber_penn.leaves";
-
-    fn init(&self, on: &Leaves, cx: &mut Context<'_>) -> Result<(), RuleError> {
-        let crown = cx.read::<CrownSlot>();
-        let below = level_of_leaves(&on.stems, &crown);
-        let Some(params) = cx.project(LeavesOfGrowth { below }) else { return Ok(()) };
-        let target = cx.read::<LeafTargetSlot>();
-        let LeafPlaces { places, stems } =
-            leaf_places(&on.stems, &crown, &params, &target, &mut charging(cx))?;
-        if places.is_empty() {
-            return Ok(());
-        }
-        // They follow from these alone, so there is no need to read them all for their digest.
-        let mut digester = Digester::new();
-        digester.add(Leaf::NAME).add(&on.stems).add(&*crown).add(&params).add(&*target);
-        let places = Shared::with_digest(digester.finish(), places);
-        cx.emit(LeafSurface { stems: on.stems.clone(), places, on: stems.into() });
-        Ok(())
-    }
-}
-
-/// The level of the stems that leaves grow on, unless it is the last.
-fn level_of_leaves(stems: &Stems, crown: &Crown) -> Option<u8> {
-    let level = stems.stems.first()?.seed.level;
-    (u32::from(level) + 1 < crown.levels).then_some(level)
-}
-
-/// What growth asks of the leaves, so that leaves of another size stay where they are; nothing
-/// where the style has none drawn.
-struct LeavesOfGrowth {
-    /// The level of the stems that they grow on, unless it is the last.
-    below: Option<u8>,
-}
-
-impl Content for LeavesOfGrowth {
-    fn write(&self, digester: &mut Digester) {
-        digester.add(&self.below);
-    }
-}
-
-impl Projection for LeavesOfGrowth {
-    type Output = Option<LeafParams>;
-    const NAME: &'static str = "weber_penn.leaves_of_growth";
-
-    fn compute(&self, slots: &mut SlotReader<'_>) -> Option<LeafParams> {
-        if *slots.read::<StyleSlot>() == Style::Skeleton {
-            return None;
-        }
-        // A coarse leaf mesh would lose the shape; fewer, larger leaves keep it.
-        let leaves = slots.read::<LeavesSlot>();
-        let share = slots.read::<DetailSlot>().leaves;
-        let leaves = match self.below {
-            Some(level) => leaves.on_level(level, u32::MAX).thinned(share),
-            None => leaves.thinned(share),
-        };
-        Some(leaves.of_growth())
     }
 }
 
@@ -432,7 +364,7 @@ fn grown(
     let target =
         if is_attracted(first.level) { cx.read::<StemTargetSlot>() } else { Arc::new(Target::Up) };
     let level = level(cx, usize::from(first.level));
-    let fitted = fitted(cx, seeds, &crown, &level, &target)?;
+    let fitted = fitted(cx, seeds, &crown, &level, &target, false)?;
     let origin = fitted.as_ref().map_or(origin, Digest::of);
     let seeds = fitted.as_deref().unwrap_or(seeds);
     let stems = grow(seeds, &crown, &level, &target, &mut charging(cx))?;

@@ -11,10 +11,12 @@ use sapwood_scene::{Context, Placement, Projection, Rule, RuleError, SlotReader}
 use super::super::slots::{CrownSlot, DetailSlot, LeafTargetSlot, LeavesSlot};
 use super::super::survey::{Figures, LeafTally, Survey};
 use super::super::{
-    Branch, Children, Leaves, StemSeed, Stems, SurveyedBranches, SurveyedGrowth, Tree, TreeSurvey,
-    Twigs, leaves,
+    Branch, Children, Leaves, Roots, StemSeed, Stems, SurveyedBranches, SurveyedGrowth, Tree,
+    TreeSurvey, Twigs, leaves,
 };
-use super::structure::{Offspring, level as of_level, plant};
+use super::leaves::HasLeaves;
+use super::roots::HasRoots;
+use super::structure::{Offspring, plant};
 
 /// How many branches are asked for at once: what a component may be made of is limited, and for
 /// each ingredient that is missing its rule begins again.
@@ -96,6 +98,10 @@ impl Rule for SurveyedBranchesRule {
         for seed in of.seeds.iter() {
             let stems = cx.ingredient::<Shared<Stems>>(Branch { seed: *seed })?;
             with_growth(stems, cx, &mut survey)?;
+            if seed.level == 0 && !stems.stems.is_empty() && cx.project(HasRoots) {
+                let roots = Roots { stems: stems.clone() };
+                survey.roots.push(cx.ingredient::<Shared<Stems>>(roots)?.clone());
+            }
         }
         Ok(survey)
     }
@@ -127,7 +133,7 @@ impl Rule for SurveyedGrowthRule {
         let stems = on.stems.clone();
         let level = stems.stems.first().map_or(0, |first| u32::from(first.seed.level));
         let is_last = level + 1 >= cx.read::<CrownSlot>().levels;
-        if is_last || of_level(cx, level as usize).is_leafy {
+        if is_last || cx.project(HasLeaves { level: level as u8 }) {
             let tally = cx.ingredient::<Shared<LeafTally>>(Leaves { stems: stems.clone() })?;
             survey.leaves.push(tally.clone());
         }

@@ -12,6 +12,7 @@ use super::super::growth::helix_radius;
 use super::super::slots::{RigSlot, SwaySlot};
 use super::super::sway::{Riding, rig_of};
 use super::super::{Branch, Children, LeafSurface, Segment, StemSeed, Stems, Tree, Twigs};
+use super::leaves::emit_leaves_beside;
 use super::roots::emit_roots;
 use super::structure::{Offspring, branch_stems, emit_grown, level, offspring, plant, twig_stems};
 
@@ -149,6 +150,7 @@ impl Rule for SwayingChildrenRule {
                 cx.push::<RigSlot>(riding, |cx| cx.emit(Twigs { seeds: seeds.clone() }));
             }
         }
+        emit_leaves_beside(parents, cx);
         Ok(offspring)
     }
 }

@@ -66,6 +66,10 @@ fn lines(figures: &Figures, name: &str, seed: Seed) -> Vec<String> {
             lines.extend(figures.longest.iter().map(|branch| format!("  {}", of_branch(branch))));
         }
     }
+    if figures.roots.n_stems > 0 {
+        let roots = of_stems(&figures.roots, "root", "roots");
+        lines.push(format!("{roots}, down to {}", metres(figures.root_depth)));
+    }
     lines.push(match figures.n_leaves {
         0 => "no leaves".to_owned(),
         n => {
@@ -76,8 +80,12 @@ fn lines(figures: &Figures, name: &str, seed: Seed) -> Vec<String> {
 }
 
 fn of_level(number: usize, level: &LevelFigures) -> String {
+    format!("level {number}: {}", of_stems(level, "stem", "stems"))
+}
+
+fn of_stems(level: &LevelFigures, one: &str, many: &str) -> String {
     let LevelFigures { n_stems, n_clones, shortest, longest, total } = level;
-    let n = counted(*n_stems, "stem", "stems");
+    let n = counted(*n_stems, one, many);
     let clones = match n_clones {
         0 => String::new(),
         n => format!(" ({} by splitting)", grouped(*n)),
@@ -88,7 +96,7 @@ fn of_level(number: usize, level: &LevelFigures) -> String {
         _ if shortest == longest => format!("{longest} long each"),
         _ => format!("{shortest} to {longest} long, {} together", metres(*total as f32)),
     };
-    format!("level {number}: {n}{clones}, {lengths}")
+    format!("{n}{clones}, {lengths}")
 }
 
 fn of_branch(branch: &NamedBranch) -> String {

@@ -115,7 +115,7 @@ impl fmt::Display for Accepted {
                 "\"sphere:X,Y,Z,R\", \"box:X0,Y0,Z0,X1,Y1,Z1\", \"half-space:NX,NY,NZ,D\", \
                  \"mesh:FILE.glb\" or \"outside:SHAPE\", in metres from the tree's foot, y up"
             ),
-            Self::LeafMesh => write!(f, "the path of a .glb or .gltf file"),
+            Self::LeafMesh => write!(f, "the path of a .glb, .gltf or .obj file"),
             Self::LeafImage => write!(f, "the path of a PNG or JPEG file"),
             Self::LeafTarget => write!(
                 f,

@@ -276,7 +276,7 @@ table! {
         "roots.split_angle_v": range(0.0, 180.0), None, None, (roots.split_angle_v);
         "roots.curve_res": whole_from(1, 1_000), None, None, (roots.curve_res);
         "roots.curve": BEND, None, None, (roots.curve);
-        "roots.curve_v": range(0.0, 36_000.0), None, None, (roots.curve_v);
+        "roots.curve_v": range(-90.0, 36_000.0), None, None, (roots.curve_v);
         "leaves.count": CHILDREN, None, None, (leaves.count);
         "leaves.shape": Accepted::LeafShape, None, None, (leaves.shape);
         "leaves.mesh": Accepted::LeafMesh, None, None, (leaves.mesh);

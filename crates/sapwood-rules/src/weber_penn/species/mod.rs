@@ -11,8 +11,6 @@ mod value;
 
 use sapwood_images::{BarkKind, LeafOutline};
 
-use super::geometry::is_cut_out;
-
 pub use accepted::Accepted;
 pub use choices::{CrownShape, Dialect, LeafShape, LeafTarget, Origin, Target, Variation};
 pub use keys::{Fault, Key, key, keys};
@@ -188,7 +186,7 @@ pub struct RootsSpec {
     pub curve_res: u32,
     /// As nCurve; positive: down.
     pub curve: f32,
-    /// As nCurveV.
+    /// As nCurveV; negative: a helix.
     pub curve_v: f32,
 }
 
@@ -252,7 +250,7 @@ pub struct LeavesSpec {
     pub stem_len: f32,
     /// LeafDistrib (Arbaro): the shape by which leaf counts vary along the parent stem.
     pub distrib: CrownShape,
-    /// LeafQuality (Arbaro; the paper's quality): 0 to 1, fewer but larger leaves.
+    /// LeafQuality (Arbaro; the paper's quality): 0 to 1, fewer but larger leaves; fans stay.
     pub quality: f32,
     /// How strongly leaves turn toward a direction or a point: 0 not at all, 1 fully.
     pub attraction: f32,
@@ -298,7 +296,7 @@ impl LeavesSpec {
     /// Whether they have proportions of their own, which a `scale_x` of 1 keeps: those of a mesh, or
     /// of an image that is cut out.
     pub fn has_own_proportions(&self) -> bool {
-        self.mesh.is_some() || self.image.as_ref().is_some_and(|own| is_cut_out(&own.image))
+        self.mesh.is_some() || self.image.as_ref().is_some_and(|own| own.image.is_cut_out())
     }
 
     /// Why the image cannot be shown, in words, if it cannot.

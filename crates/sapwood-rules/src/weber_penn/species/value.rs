@@ -2,10 +2,10 @@
 
 use std::fmt;
 
-use sapwood_geom::{Envelope, Image, Shared};
+use sapwood_geom::Envelope;
 use sapwood_images::{BarkKind, LeafOutline};
 
-use crate::weber_penn::LeafMesh;
+use crate::weber_penn::{LeafMesh, OwnLeafImage};
 
 use super::choices::{CrownShape, Dialect, LeafShape, LeafTarget, Origin, Target, Variation};
 
@@ -52,14 +52,12 @@ pub struct WrittenMesh {
 }
 
 /// A leaf's image, and the file that it is from; reading that is left to others.
-///
-/// Pixels that are less than half covered are cut out. Its upper edge is the leaf's tip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WrittenImage {
     /// The path of the file, as a species file names it; empty for one that is from no file.
     pub path: String,
     /// What it holds.
-    pub image: Shared<Image>,
+    pub image: OwnLeafImage,
 }
 
 impl fmt::Display for Value {

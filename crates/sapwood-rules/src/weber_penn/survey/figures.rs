@@ -25,6 +25,9 @@ pub(in super::super) struct Figures {
     pub(in super::super) levels: Vec<LevelFigures>,
     /// The longest stems of the first level on the trunks, the longest first.
     pub(in super::super) longest: Vec<NamedBranch>,
+    pub(in super::super) roots: LevelFigures,
+    /// How far below the ground the roots reach.
+    pub(in super::super) root_depth: f32,
     pub(in super::super) n_leaves: u64,
     /// How long the longest leaf is.
     pub(in super::super) leaf_length: f32,
@@ -80,7 +83,7 @@ impl Figures {
                 let (Some(foot), Some(tip)) = (line.first().copied(), line.last().copied()) else {
                     continue;
                 };
-                let length = line.windows(2).map(|ends| ends[0].distance(ends[1])).sum();
+                let length = length_of(&line);
                 let level = usize::from(stem.seed.level);
                 if levels.len() <= level {
                     levels.resize_with(level + 1, LevelFigures::default);
@@ -110,6 +113,14 @@ impl Figures {
         longest.truncate(N_LONGEST);
         let ground = if low.is_finite() { low } else { 0.0 };
         longest.iter_mut().for_each(|branch| branch.height -= ground);
+        let (mut roots, mut lowest) = (LevelFigures::default(), ground);
+        for stems in &survey.roots {
+            for (number, stem) in stems.stems.iter().enumerate() {
+                let line = center_line(stems, number, linear);
+                roots.add(length_of(&line), stem.clone_of.is_some());
+                lowest = line.iter().fold(lowest, |lowest, point| lowest.min(point.y));
+            }
+        }
         let tallies = || survey.leaves.iter();
         Self {
             feet,
@@ -118,6 +129,8 @@ impl Figures {
             crown: Crown::around(if above.is_empty() { &trunks } else { &above }, ground),
             levels,
             longest,
+            roots,
+            root_depth: ground - lowest,
             n_leaves: tallies().map(|leaves| leaves.tips.len() as u64).sum(),
             leaf_length: thickness * tallies().fold(0.0, |most: f32, some| most.max(some.length)),
         }
@@ -143,6 +156,10 @@ impl LevelFigures {
         self.n_clones += u64::from(is_clone);
         self.total += f64::from(length);
     }
+}
+
+fn length_of(line: &[Vec3]) -> f32 {
+    line.windows(2).map(|ends| ends[0].distance(ends[1])).sum()
 }
 
 /// The centre line of a stem, from its foot to its tip.

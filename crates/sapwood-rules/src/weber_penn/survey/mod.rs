@@ -18,15 +18,18 @@ use super::{Leaf, Stems};
 pub(super) struct Survey {
     pub(super) stems: Vec<Shared<Stems>>,
     pub(super) leaves: Vec<Shared<LeafTally>>,
+    /// Apart from what grows above ground.
+    pub(super) roots: Vec<Shared<Stems>>,
 }
 
-content!(Survey { stems, leaves });
+content!(Survey { stems, leaves, roots });
 
 impl Survey {
     /// Adds what grew elsewhere on the same tree.
     pub(super) fn extend(&mut self, other: &Self) {
         self.stems.extend_from_slice(&other.stems);
         self.leaves.extend_from_slice(&other.leaves);
+        self.roots.extend_from_slice(&other.roots);
     }
 }
 
