@@ -17,6 +17,7 @@ mod seeds;
 mod snapshots;
 mod solid_wood;
 mod species;
+mod species_files;
 mod styles;
 mod targets;
 mod threads;

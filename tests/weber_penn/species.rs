@@ -111,12 +111,3 @@ fn the_cache_never_shows() {
         assert_eq!(tree.scene.fault(), None);
     }
 }
-
-#[test]
-fn every_key_of_a_species_file_is_documented() {
-    let text = include_str!("../../docs/species-files.md");
-    for key in sapwood::rules::weber_penn::keys() {
-        let name = key.name().rsplit('.').next().unwrap();
-        assert!(text.contains(&format!("`{name}`")), "{}", key.name());
-    }
-}
