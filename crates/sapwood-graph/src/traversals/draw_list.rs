@@ -49,7 +49,7 @@ pub struct Body {
     /// How what sways does so, in the body's frame; nothing where nothing does.
     pub rig: Option<Arc<Rig>>,
     /// Whether its meshes are together one closed surface, of which triangles meet at equal positions:
-    /// such as have been joined ([`WeldUnion`](super::WeldUnion)).
+    /// such as welding by union makes.
     pub is_solid: bool,
 }
 
