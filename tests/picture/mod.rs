@@ -3,6 +3,7 @@
 mod agreement;
 mod analytic;
 mod compared;
+mod distance;
 mod golden;
 mod laziness;
 mod sameness;

@@ -4,6 +4,7 @@
 //! rule or a render graph exists. All arithmetic goes through `glam` with `libm` and scalar
 //! maths, so that the same input gives the same bytes in debug and release builds.
 
+mod aim;
 mod bounds;
 mod box_tree;
 mod digest;
@@ -30,6 +31,7 @@ mod triangle_pack;
 mod trig;
 mod weld;
 
+pub use aim::Aim;
 pub use bounds::{Aabb, Bound, Sphere};
 pub use box_tree::BoxTree;
 pub use digest::{Content, Digest, Digester, Shared};

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use glam::{DAffine3, DVec3, Vec3};
 
-use crate::{Aabb, BoxTree, Mesh, Ray, Ray32};
+use crate::{Aabb, Aim, BoxTree, Mesh, Ray};
 
 /// A tree over a mesh's triangles, so that a ray looks at few of them.
 #[derive(Debug)]
@@ -110,14 +110,14 @@ impl MeshBvh {
     pub fn nearest32(
         &self,
         mesh: &Mesh,
-        ray: &Ray32,
+        aim: &Aim,
         reach: f32,
         mut accept: impl FnMut(&MeshHit32) -> bool,
     ) -> Option<MeshHit32> {
         let mut nearest: Option<MeshHit32> = None;
         let mut limit = reach;
-        self.0.along32(ray, reach, |triangle| {
-            if let Some(hit) = MeshHit32::on(mesh, ray, triangle)
+        self.0.along32(aim.ray(), reach, |triangle| {
+            if let Some(hit) = MeshHit32::on(mesh, aim, triangle)
                 && (hit.distance < limit
                     || nearest.is_some_and(|old| (hit.distance, triangle) < (limit, old.triangle)))
                 && accept(&hit)
@@ -134,14 +134,14 @@ impl MeshBvh {
     pub fn is_met32(
         &self,
         mesh: &Mesh,
-        ray: &Ray32,
+        aim: &Aim,
         reach: f32,
         mut accept: impl FnMut(&MeshHit32) -> bool,
     ) -> bool {
         let mut is_met = false;
-        self.0.along32(ray, reach, |triangle| {
+        self.0.along32(aim.ray(), reach, |triangle| {
             is_met = is_met
-                || MeshHit32::on(mesh, ray, triangle)
+                || MeshHit32::on(mesh, aim, triangle)
                     .is_some_and(|hit| hit.distance < reach && accept(&hit));
             if is_met { -1.0 } else { reach }
         });
@@ -154,12 +154,17 @@ impl MeshHit32 {
     /// of the same two corners on both triangles of the edge, so that nothing slips through
     /// between them.
     #[inline]
-    pub fn on(mesh: &Mesh, ray: &Ray32, triangle: u32) -> Option<Self> {
+    pub fn on(mesh: &Mesh, aim: &Aim, triangle: u32) -> Option<Self> {
+        let ray = aim.ray();
         let first = 3 * triangle as usize;
         let corner = |i| mesh.positions[mesh.indices[first + i] as usize] - ray.origin;
         let (a, b, c) = (corner(0), corner(1), corner(2));
-        let volume = |from: Vec3, to: Vec3| ray.direction.dot(from.cross(to));
-        let weights = Vec3::new(volume(c, b), volume(a, c), volume(b, a));
+        let seen = [a, b, c].map(|corner| aim.beside(corner));
+        let area = |from: usize, to: usize| {
+            let ([x, y], [other_x, other_y]) = (seen[from], seen[to]);
+            x * other_y - other_x * y
+        };
+        let weights = Vec3::new(area(2, 1), area(0, 2), area(1, 0));
         let is_front = weights.min_element() >= 0.0;
         if !is_front && weights.max_element() > 0.0 {
             return None;
@@ -262,6 +267,7 @@ mod tests {
     use glam::{Vec2, Vec3};
 
     use super::*;
+    use crate::Ray32;
 
     /// A square of `n` by `n` cells in the plane z = 0, from the origin to (1, 1).
     fn square(n: u32) -> Mesh {
@@ -342,13 +348,14 @@ mod tests {
                 let slant = Vec3::new(0.3 - over.x, 0.6 - over.y, -3.0);
                 for direction in [Vec3::NEG_Z, slant] {
                     let ray = Ray32::new(over, direction);
-                    let hit = bvh.nearest32(&mesh, &ray, f32::INFINITY, |_| true).unwrap();
+                    let aim = Aim::new(ray);
+                    let hit = bvh.nearest32(&mesh, &aim, f32::INFINITY, |_| true).unwrap();
                     let precise = closest(&mesh, &Ray::new(over, direction)).unwrap();
                     let metres = hit.distance * direction.length();
                     assert!((metres - precise.distance as f32).abs() < 1e-5 && hit.is_front);
-                    assert!(bvh.is_met32(&mesh, &ray, 1.1 * hit.distance, |_| true));
-                    assert!(!bvh.is_met32(&mesh, &ray, 0.9 * hit.distance, |_| true));
-                    assert!(!bvh.is_met32(&mesh, &ray, f32::INFINITY, |_| false));
+                    assert!(bvh.is_met32(&mesh, &aim, 1.1 * hit.distance, |_| true));
+                    assert!(!bvh.is_met32(&mesh, &aim, 0.9 * hit.distance, |_| true));
+                    assert!(!bvh.is_met32(&mesh, &aim, f32::INFINITY, |_| false));
                     let corners = [0, 1, 2].map(|k| mesh.indices[3 * hit.triangle as usize + k]);
                     let [a, b, c] = corners.map(|corner| mesh.positions[corner as usize]);
                     let weighted = a * hit.weights.x + b * hit.weights.y + c * hit.weights.z;
@@ -356,7 +363,7 @@ mod tests {
                 }
             }
         }
-        let below = Ray32::new(Vec3::new(0.3, 0.3, -1.0), Vec3::Z);
+        let below = Aim::new(Ray32::new(Vec3::new(0.3, 0.3, -1.0), Vec3::Z));
         assert!(!bvh.nearest32(&mesh, &below, 9.0, |_| true).unwrap().is_front);
     }
 

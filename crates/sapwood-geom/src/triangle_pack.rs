@@ -3,7 +3,7 @@
 use glam::{Affine3, Vec3};
 use wide::f32x4;
 
-use crate::{Aabb, Mesh, Ray32};
+use crate::{Aabb, Aim, Mesh};
 
 /// Triangles that a pack holds.
 const WIDTH: usize = 4;
@@ -47,17 +47,17 @@ impl TrianglePack {
 
     /// The numbers of those triangles that the ray's line goes through, in their order.
     #[inline]
-    pub fn on_the_way(&self, ray: &Ray32) -> impl Iterator<Item = u32> + '_ {
-        let origin = ray.origin.to_array().map(f32x4::splat);
-        let step = ray.direction.to_array().map(f32x4::splat);
-        let [a, b, c] = self.corners.map(|[x, y, z]| [x - origin[0], y - origin[1], z - origin[2]]);
+    pub fn on_the_way(&self, aim: &Aim) -> impl Iterator<Item = u32> + '_ {
+        let origin = aim.ray().origin;
+        let ([right, up, along], [shear_x, shear_y]) = aim.axes();
         // In the order in which `MeshHit32::on` reckons.
-        let volume = |from: &[f32x4; 3], to: &[f32x4; 3]| {
-            step[0] * (from[1] * to[2] - to[1] * from[2])
-                + step[1] * (from[2] * to[0] - to[2] * from[0])
-                + step[2] * (from[0] * to[1] - to[0] * from[1])
-        };
-        let weights = [volume(&c, &b), volume(&a, &c), volume(&b, &a)];
+        let [a, b, c] = self.corners.map(|corner| {
+            let [x, y, z] =
+                [right, up, along].map(|axis| corner[axis] - f32x4::splat(origin[axis]));
+            [x - f32x4::splat(shear_x) * z, y - f32x4::splat(shear_y) * z]
+        });
+        let area = |[x, y]: [f32x4; 2], [other_x, other_y]: [f32x4; 2]| x * other_y - other_x * y;
+        let weights = [area(c, b), area(a, c), area(b, a)];
         let least = weights[0].fast_min(weights[1]).fast_min(weights[2]);
         let largest = weights[0].fast_max(weights[1]).fast_max(weights[2]);
         let mut is_met = (least.simd_ge(f32x4::ZERO) | largest.simd_le(f32x4::ZERO)).to_bitmask();
@@ -88,7 +88,7 @@ impl TrianglePack {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::MeshHit32;
+    use crate::{MeshHit32, Ray32};
 
     /// A fan of `n` triangles around the z axis, each with its own tilt.
     fn fan(n: u32) -> Mesh {
@@ -114,16 +114,16 @@ mod tests {
         let mut n_met = 0;
         for i in 0..400 {
             let over = Vec3::new((i % 20) as f32 / 10.0 - 1.0, (i / 20) as f32 / 10.0 - 1.0, 2.0);
-            let ray = Ray32::new(over, Vec3::new(0.1, -0.2, -1.0));
+            let aim = Aim::new(Ray32::new(over, Vec3::new(0.1, -0.2, -1.0)));
             let on_the_way: Vec<u32> =
-                packs.iter().flat_map(|pack| pack.on_the_way(&ray)).collect();
+                packs.iter().flat_map(|pack| pack.on_the_way(&aim)).collect();
             for triangle in &triangles {
-                if MeshHit32::on(&mesh, &ray, *triangle).is_some() {
+                if MeshHit32::on(&mesh, &aim, *triangle).is_some() {
                     n_met += 1;
                     assert!(on_the_way.contains(triangle));
                 }
             }
-            let missed = on_the_way.iter().filter(|n| MeshHit32::on(&mesh, &ray, **n).is_none());
+            let missed = on_the_way.iter().filter(|n| MeshHit32::on(&mesh, &aim, **n).is_none());
             assert_eq!(missed.count(), 0);
         }
         assert!(n_met > 200, "{n_met}");
@@ -133,10 +133,11 @@ mod tests {
     fn corners_on_the_ray_and_rays_that_are_none_are_no_trouble() {
         let mesh = fan(3);
         let pack = TrianglePack::of(&mesh, &[0, 1, 2]).next().unwrap();
-        let down = |x: f32| Ray32::new(Vec3::new(x, 0.0, 3.0), Vec3::NEG_Z);
+        let down = |x: f32| Aim::new(Ray32::new(Vec3::new(x, 0.0, 3.0), Vec3::NEG_Z));
         assert_eq!(pack.on_the_way(&down(0.0)).collect::<Vec<_>>(), [0, 1, 2]);
         assert_eq!(pack.on_the_way(&down(f32::NAN)).count(), 0);
-        assert_eq!(pack.on_the_way(&Ray32::new(Vec3::ZERO, Vec3::ZERO)).count(), 3);
+        let nowhere = Aim::new(Ray32::new(Vec3::ZERO, Vec3::ZERO));
+        assert_eq!(pack.on_the_way(&nowhere).count(), 0);
     }
 
     #[test]

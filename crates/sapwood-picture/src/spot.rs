@@ -22,8 +22,10 @@ pub(crate) struct Spot {
     pub(crate) clearance: f32,
 }
 
-/// How far rays start from a surface, relative to how large the numbers around it are.
-const CLEARANCE: f32 = 1e-5;
+/// How far rays start from a surface, relative to how large the numbers around it are: some ten times what
+/// rounding moves it by. Not relative to how far away it is seen from, for then light would come
+/// through what is fine the farther away one stands.
+const CLEARANCE: f32 = 2e-6;
 
 impl Spot {
     /// The spot of a hit; `width` is how wide a pixel is there.
@@ -75,8 +77,9 @@ impl Spot {
                     .and_then(|told| bumped(told, smooth, &points, &uvs))
                     .unwrap_or(smooth);
                 let smooth_point = smooth_point(point, &points, &normals, w, side);
-                let clearance =
-                    CLEARANCE * (point.abs().max_element() + hit.distance * ray.direction.length());
+                let numbers = points.map(Vec3::abs).into_iter().fold(Vec3::ZERO, Vec3::max);
+                let numbers = numbers.max(Vec3::from(to_world.translation).abs());
+                let clearance = CLEARANCE * numbers.max_element();
                 Self { point, normal, shading_normal, smooth_point, matter, clearance }
             }
         }
@@ -84,9 +87,13 @@ impl Spot {
 
     /// The spot where a ray meets the ground.
     pub(crate) fn of_ground(ground: &Ground, ray: &Ray32, distance: f32) -> Self {
-        Self::flat(ray.at(distance), Vec3::Y, distance, matte(ground.color))
+        // As high as it is, however far away.
+        let point = Vec3 { y: ground.height, ..ray.at(distance) };
+        Self::flat(point, Vec3::Y, 0.0, matte(ground.color))
     }
 
+    /// A spot with no mesh around it, met after so many lengths of its ray's direction, by which
+    /// its point may be rounded.
     fn flat(point: Vec3, normal: Vec3, distance: f32, matter: Matter) -> Self {
         let clearance = CLEARANCE * (point.abs().max_element() + distance);
         Self { point, normal, shading_normal: normal, smooth_point: point, matter, clearance }

@@ -1,7 +1,7 @@
 //! Rays through the world: what one meets first, and whether anything stops it.
 
 use sapwood_geom::glam::{Affine3, Vec2, Vec3};
-use sapwood_geom::{MeshHit32, Ray32, SharedMesh};
+use sapwood_geom::{Aim, MeshHit32, Ray32, SharedMesh};
 use smallvec::{SmallVec, smallvec};
 
 use crate::world::{Item, Look, Place, Surface, World};
@@ -121,8 +121,8 @@ impl World {
                     Item::Triangles { place, first, n_packs } => {
                         let near = self.approached(place, &next.ray);
                         for pack in self.packs.of(first, n_packs) {
-                            for triangle in pack.on_the_way(&near.ray) {
-                                let Some(hit) = MeshHit32::on(near.mesh, &near.ray, triangle)
+                            for triangle in pack.on_the_way(&near.aim) {
+                                let Some(hit) = MeshHit32::on(near.mesh, &near.aim, triangle)
                                 else {
                                     continue;
                                 };
@@ -141,7 +141,7 @@ impl World {
                     Item::Surface(place) => {
                         let near = self.approached(place, &next.ray);
                         let accept = |hit: &MeshHit32| near.is_seen(hit, chance);
-                        let hit = near.mesh.bvh().nearest32(near.mesh, &near.ray, limit, accept);
+                        let hit = near.mesh.bvh().nearest32(near.mesh, &near.aim, limit, accept);
                         if let Some(hit) = hit {
                             limit = hit.distance;
                             on = None;
@@ -196,9 +196,9 @@ impl World {
                     Item::Triangles { place, first, n_packs } => {
                         let near = self.approached(place, &next.ray);
                         let packs = self.packs.of(first, n_packs).iter();
-                        let mut triangles = packs.flat_map(|pack| pack.on_the_way(&near.ray));
+                        let mut triangles = packs.flat_map(|pack| pack.on_the_way(&near.aim));
                         is_stopped = triangles.any(|triangle| {
-                            MeshHit32::on(near.mesh, &near.ray, triangle).is_some_and(|hit| {
+                            MeshHit32::on(near.mesh, &near.aim, triangle).is_some_and(|hit| {
                                 hit.distance < reach && near.is_there(&hit, chance)
                             })
                         });
@@ -206,7 +206,7 @@ impl World {
                     Item::Surface(place) => {
                         let near = self.approached(place, &next.ray);
                         let accept = |hit: &MeshHit32| near.is_there(hit, chance);
-                        is_stopped = near.mesh.bvh().is_met32(near.mesh, &near.ray, reach, accept);
+                        is_stopped = near.mesh.bvh().is_met32(near.mesh, &near.aim, reach, accept);
                     }
                     Item::Line(piece) => {
                         let hit = self.lines[piece as usize].meet(&next.ray);
@@ -255,7 +255,8 @@ impl World {
         let Place { to_local, number: surface } = &self.places[place as usize];
         let Surface { mesh, look } = &self.surfaces[*surface as usize];
         let look = &self.looks[*look as usize];
-        Approached { surface: *surface, mesh, look, to_local, ray: ray.transformed(to_local) }
+        let aim = Aim::new(ray.transformed(to_local));
+        Approached { surface: *surface, mesh, look, to_local, aim }
     }
 }
 
@@ -267,7 +268,7 @@ struct Approached<'a> {
     /// From the cluster's frame to the mesh's.
     to_local: &'a Affine3,
     /// In the mesh's frame.
-    ray: Ray32,
+    aim: Aim,
 }
 
 impl Approached<'_> {
