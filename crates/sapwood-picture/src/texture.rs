@@ -12,6 +12,7 @@ pub(crate) struct Texture {
     image: Shared<Image>,
     /// Half, a quarter, and so on.
     smaller: Vec<Image>,
+    meaning: Meaning,
     /// The number of every byte in a channel of colour.
     values: [f32; 256],
 }
@@ -58,7 +59,7 @@ impl Texture {
             }
             smaller.push(halved(last, meaning, &values, &encoding));
         }
-        Self { image: image.clone(), smaller, values }
+        Self { image: image.clone(), smaller, meaning, values }
     }
 
     /// Pixels in all.
@@ -68,19 +69,32 @@ impl Texture {
 
     /// The value at a texture coordinate, between the four pixels around it, where about
     /// `footprint` pixels in a row are seen as one.
+    ///
+    /// Colours of a smaller image count as far as they cover. One of its pixels stands for many, and at an
+    /// edge for few that are there: those must not colour what lies further inside.
     pub(crate) fn at(&self, uv: Vec2, footprint: f32) -> Vec4 {
         let level = if footprint > 1.0 { libm::ilogbf(1.5 * footprint).max(0) as usize } else { 0 };
-        let image = match level.min(self.smaller.len()) {
-            0 => &*self.image,
-            level => &self.smaller[level - 1],
-        };
+        let level = level.min(self.smaller.len());
+        let image = if level == 0 { &*self.image } else { &self.smaller[level - 1] };
         let pixel = |pixel: usize| {
             let [r, g, b, a] = image.pixels[pixel];
             let value = |byte: u8| self.values[usize::from(byte)];
             Vec4::new(value(r), value(g), value(b), f32::from(a) / 255.0)
         };
-        let Around { pixels: [a, b, c, d], to_right, to_bottom } = Around::new(image, uv);
-        pixel(a).lerp(pixel(b), to_right).lerp(pixel(c).lerp(pixel(d), to_right), to_bottom)
+        let Around { pixels, to_right, to_bottom } = Around::new(image, uv);
+        let pixels = pixels.map(pixel);
+        let mixed =
+            |[a, b, c, d]: [Vec4; 4]| a.lerp(b, to_right).lerp(c.lerp(d, to_right), to_bottom);
+        let mean = mixed(pixels);
+        let covers_alike = pixels.iter().all(|pixel| pixel.w == pixels[0].w);
+        if level == 0 || covers_alike || self.meaning == Meaning::Number {
+            return mean;
+        }
+        // Where none of them covers anything, all count alike.
+        let share = |pixel: Vec4| pixel.w + 1e-4;
+        let weighted =
+            mixed(pixels.map(|pixel| (pixel.truncate() * share(pixel)).extend(share(pixel))));
+        (weighted.truncate() / weighted.w).extend(mean.w)
     }
 
     /// How much is covered at a texture coordinate, seen from near.
@@ -204,6 +218,11 @@ mod tests {
         let texture = colors(|x, _| if x == 0 { [200, 0, 0, 255] } else { [0; 4] });
         let mean = texture.at(Vec2::splat(0.3), 2.0);
         assert!((mean.x - linear_of_srgb(200)).abs() < 0.02 && (mean.w - 0.5).abs() < 0.01);
+        // Nor does it between the pixels of a smaller image.
+        let image = Image::from_fn(4, 2, |x, _| if x < 2 { [200, 0, 0, 255] } else { [0; 4] });
+        let texture = Texture::new(&Shared::new(image), Meaning::Color);
+        let between = texture.at(Vec2::splat(0.5), 2.0);
+        assert!((between.x - linear_of_srgb(200)).abs() < 0.02 && (between.w - 0.5).abs() < 0.01);
         // Numbers are there whatever their image covers.
         let texture = numbers(2, 1, |x, _| if x == 0 { [200, 0, 0, 255] } else { [0; 4] });
         assert!((texture.at(Vec2::splat(0.3), 2.0).x - 100.0 / 255.0).abs() < 0.01);
