@@ -35,8 +35,8 @@ pub enum RenderNode<'a> {
     /// nearby. What other plans supply below it is not its business, and of several such nodes
     /// above each other the lowest counts.
     Fading(&'a Fading),
-    /// Has one aspect drawn of what it holds, by the direction of whoever looks; without an eye
-    /// some of them. Counts among fading nodes as one of them.
+    /// Has one aspect drawn of what it holds, or two that blend, by the direction of whoever looks;
+    /// without an eye some of them. Counts among fading nodes as one of them.
     Aspects(&'a Aspects),
     /// Holds what sways: of the meshes and instances that it has below itself, each vertex and each
     /// instance follows a joint ([`Fragment::followed`]). They stand at rest in every walk;

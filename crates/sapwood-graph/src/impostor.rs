@@ -7,7 +7,7 @@ use sapwood_geom::{SharedMesh, content};
 use crate::{Aspects, Material};
 
 /// Boards with images of something, each as it is seen from one direction, of which the one is
-/// drawn whose direction is nearest to the eye's.
+/// drawn whose direction is nearest to the eye's, or the two nearest, as they blend.
 #[derive(Clone, Debug)]
 pub struct Impostor {
     /// A board for each aspect, two triangles that are seen from their front.

@@ -7,6 +7,7 @@
 
 mod aspects;
 mod camera;
+mod cross_fade;
 mod facing;
 mod fading;
 mod figures;
@@ -30,6 +31,7 @@ mod wind;
 
 pub use aspects::Aspects;
 pub use camera::{Camera, Lens};
+pub use cross_fade::{CrossFade, DrawnPart};
 pub use facing::{Eye, Facing};
 pub use fading::{DrawRange, Fading, Falloff, Stretch, even_order, n_drawn};
 pub use figures::grouped;

@@ -2,7 +2,8 @@
 
 use sapwood_geom::glam::{Affine3, Vec3};
 
-use crate::{Aspects, DrawRange, Eye, Fading};
+use crate::cross_fade::DrawnParts;
+use crate::{Aspects, DrawRange, DrawnPart, Eye, Fading};
 
 /// From where something is looked at, in its own frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -42,6 +43,15 @@ impl Limiter<'_> {
         }
     }
 
+    /// What is drawn of `n` triangles or instances, where some pixels may show one part and others
+    /// another.
+    pub(crate) fn parts(&self, n: u32, vantage: &Vantage) -> DrawnParts {
+        match self {
+            Self::Fading(_) => DrawnPart::alone(self.drawn(n, vantage)),
+            Self::Aspects(aspects) => aspects.parts(n, vantage.eye),
+        }
+    }
+
     /// How much larger each instance is drawn.
     pub fn growth(&self, vantage: &Vantage) -> f32 {
         match self {
@@ -72,6 +82,16 @@ impl<'a> LimitsAbove<'a> {
     /// Goes into a node that has everything before `end` below it, looked at from `vantage`.
     pub fn enter(&mut self, end: u32, limiter: Limiter<'a>, vantage: Vantage) {
         self.0.push((end, limiter, vantage));
+    }
+
+    /// What is drawn of `n` triangles or instances, where some pixels may show one part and others
+    /// another, and how much larger instances are.
+    pub fn parts(&self, n: usize) -> (impl Iterator<Item = DrawnPart> + use<>, f32) {
+        let (parts, growth) = match self.0.last() {
+            None => (DrawnPart::alone(DrawRange { first: 0, end: n as u32 }), 1.0),
+            Some((_, limiter, from)) => (limiter.parts(n as u32, from), limiter.growth(from)),
+        };
+        (parts.into_iter().flatten(), growth)
     }
 
     /// What is drawn of `n` triangles, instances or lines, and how much larger instances are.

@@ -121,6 +121,7 @@ mod tests {
                 material: Arc::new(material.clone()),
                 instances: None,
                 range: None,
+                cross_fade: None,
                 follows: None,
             });
         }
@@ -159,7 +160,15 @@ mod tests {
         let (instances, range, follows) = (None, None, None);
         let (mesh, material) = (SharedMesh::new(maple(7.0)), Arc::new(red.clone()));
         let local = Affine3::IDENTITY;
-        body.rows.push(DrawRow { local, mesh, material, instances, range, follows });
+        body.rows.push(DrawRow {
+            local,
+            mesh,
+            material,
+            instances,
+            range,
+            cross_fade: None,
+            follows,
+        });
         let occurrence = Occurrence { body: 0, world: Affine3::IDENTITY };
         let list = DrawList { bodies: vec![body], occurrences: vec![occurrence] };
         write_obj(&path, &list).unwrap();

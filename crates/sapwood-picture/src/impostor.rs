@@ -30,18 +30,46 @@ pub use options::{ImpostorLight, ImpostorOptions};
 const LEAST_COVERAGE: f32 = 0.5;
 
 /// Makes impostors and keeps them: what was made once is made again only when what it stands for
-/// has changed. All are kept until [`forget_unused`](Self::forget_unused), those of earlier edits
-/// too.
+/// has changed, back and forth between edits too.
+///
+/// Those that were asked for last are kept, as many as together take no more than a
+/// [budget](Self::with_budget).
 #[derive(Debug)]
 pub struct Impostors {
     options: ImpostorOptions,
-    kept: FixedMap<Digest, Arc<Impostor>>,
+    budget: u64,
+    kept: FixedMap<Digest, Kept>,
+    /// How often impostors were asked for.
+    n_asked: u64,
+}
+
+#[derive(Debug)]
+struct Kept {
+    impostor: Arc<Impostor>,
+    bytes: u64,
+    /// When it was asked for last.
+    asked: u64,
 }
 
 impl Impostors {
+    /// The bytes that impostors may take where nobody says otherwise: those of some two hundred trees.
+    pub const DEFAULT_BUDGET: u64 = 1 << 28;
+
     /// None so far.
     pub fn new(options: ImpostorOptions) -> Self {
-        Self { options, kept: FixedMap::with_hasher(fixed_state()) }
+        let kept = FixedMap::with_hasher(fixed_state());
+        Self { options, budget: Self::DEFAULT_BUDGET, kept, n_asked: 0 }
+    }
+
+    /// The same with another limit to the bytes of the images and boards that are kept. Where they
+    /// come to more, those are dropped that nobody has asked for for the longest, down to the one
+    /// that was asked for last, which is kept whatever it takes. What is dropped stays with whoever
+    /// holds it; asked for again, it is made again.
+    #[must_use]
+    pub fn with_budget(mut self, bytes: u64) -> Self {
+        self.budget = bytes;
+        self.keep_to_budget();
+        self
     }
 
     /// The impostor of everything that `provide` hands out, in the root's frame; compiles all of
@@ -64,13 +92,21 @@ impl Impostors {
         self.options.picture_options([8, self.options.rows]).check()?;
         discover(provide, &Everything)?;
         let list = draw_list(&*provide, usize::MAX).expect("rows are not limited");
-        let digest = digest(&list);
-        if let Some(kept) = self.kept.get(&digest) {
-            return Ok(Arc::clone(kept));
+        let digest = digest(&list, self.options.light);
+        self.n_asked += 1;
+        if let Some(kept) = self.kept.get_mut(&digest) {
+            kept.asked = self.n_asked;
+            return Ok(Arc::clone(&kept.impostor));
         }
-        let made = Arc::new(made(provide, &list, &self.options, progress)?);
-        self.kept.insert(digest, Arc::clone(&made));
-        Ok(made)
+        let impostor = Arc::new(made(provide, &list, &self.options, progress)?);
+        let kept = Kept {
+            impostor: Arc::clone(&impostor),
+            bytes: n_bytes(&impostor),
+            asked: self.n_asked,
+        };
+        self.kept.insert(digest, kept);
+        self.keep_to_budget();
+        Ok(impostor)
     }
 
     /// How many impostors are kept.
@@ -78,24 +114,49 @@ impl Impostors {
         self.kept.len()
     }
 
+    /// The bytes of their images and boards.
+    pub fn n_bytes(&self) -> u64 {
+        self.kept.values().map(|kept| kept.bytes).sum()
+    }
+
     /// Forgets all impostors that nobody else holds.
     pub fn forget_unused(&mut self) {
-        self.kept.retain(|_, impostor| Arc::strong_count(impostor) > 1);
+        self.kept.retain(|_, kept| Arc::strong_count(&kept.impostor) > 1);
+    }
+
+    fn keep_to_budget(&mut self) {
+        let mut bytes = self.n_bytes();
+        while bytes > self.budget && self.kept.len() > 1 {
+            let least = self.kept.iter().min_by_key(|(_, kept)| kept.asked);
+            let Some(oldest) = least.map(|(digest, _)| *digest) else { return };
+            bytes -= self.kept.remove(&oldest).map_or(0, |kept| kept.bytes);
+        }
     }
 }
 
-/// What a list draws.
-fn digest(list: &DrawList) -> Digest {
+/// The bytes of an impostor's image and boards.
+fn n_bytes(impostor: &Impostor) -> u64 {
+    // Both images are one.
+    let image = impostor.material.images.base_color.as_ref();
+    let image = image.map_or(0, |image| size_of_val(image.pixels.as_slice()));
+    let mesh = &impostor.mesh;
+    let vertices = mesh.positions.len() * (2 * size_of::<Vec3>() + size_of::<Vec2>());
+    (image + vertices + size_of_val(mesh.indices.as_slice())) as u64
+}
+
+/// What a list draws, and the lights in it where they count.
+fn digest(list: &DrawList, light: ImpostorLight) -> Digest {
     let mut digester = Digester::new();
     for (world, row) in list.placed_rows() {
         digester.add(&world).add(&row.mesh).add(&row.material).add(&row.instances);
         digester.add(&row.range.map(|range| (range.first, range.end)));
+        digester.add(&row.cross_fade.map(|fade| (fade.first, fade.end)));
     }
     for (world, row) in list.placed_lines() {
         digester.add(&world).add(&row.lines).add(&row.material);
         digester.add(&row.range.map(|range| (range.first, range.end)));
     }
-    for (world, light) in list.placed_lights() {
+    for (world, light) in list.placed_lights().filter(|_| light.is_baked()) {
         digester.add(&world).add(light);
     }
     digester.finish()
@@ -137,6 +198,7 @@ fn made(
         toward: Shared::new(toward),
         center: points.center(),
         without_eye: ImpostorOptions::CROSSED,
+        blends: true,
     };
     Ok(Impostor { mesh: SharedMesh::new(mesh), material: Arc::new(material), aspects })
 }

@@ -19,6 +19,12 @@ pub(crate) struct Beam {
 }
 
 impl Sky {
+    /// A sky that looks alike in all directions; things keep its light from each other as the
+    /// default's.
+    pub fn even(color: [f32; 3]) -> Self {
+        Self { zenith: color, horizon: color, nadir: color, ..Self::default() }
+    }
+
     /// What is seen of the sky in a direction of unit length.
     pub(crate) fn color(&self, direction: Vec3) -> Vec3 {
         let horizon = Vec3::from(self.horizon);

@@ -17,6 +17,8 @@ pub struct PictureOptions {
     pub sun: Option<Sun>,
     /// The dome of the sky, which gives light from all sides.
     pub sky: Sky,
+    /// Whether lights that stand in the scene shine.
+    pub lights: bool,
     /// A plane without end below everything.
     pub ground: Option<Ground>,
     /// What is seen where nothing is.
@@ -32,7 +34,8 @@ pub struct PictureOptions {
 }
 
 impl Default for PictureOptions {
-    /// 1024 x 1024 pixels with 4 samples, a sun from the upper left, a clear sky, no ground.
+    /// 1024 x 1024 pixels with 4 samples, a sun from the upper left, a clear sky, the
+    /// scene's lights, no ground.
     fn default() -> Self {
         Self {
             size: [1024, 1024],
@@ -40,6 +43,7 @@ impl Default for PictureOptions {
             seed: 0,
             sun: Some(Sun::default()),
             sky: Sky::default(),
+            lights: true,
             ground: None,
             background: Background::Sky,
             most_reflections: 4,

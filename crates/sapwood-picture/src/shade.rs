@@ -166,7 +166,8 @@ impl Shader<'_> {
         let mut waits = false;
         let sun = self.options.sun.map(|sun| sun.beam(sample.pair(Use::Sun)));
         let world = self.world;
-        let lights = world.lights.iter().filter_map(|light| light.beam(spot.point));
+        let lights = if self.options.lights { &world.lights[..] } else { &[] };
+        let lights = lights.iter().filter_map(|light| light.beam(spot.point));
         for (number, beam) in sun.into_iter().chain(lights).enumerate() {
             let share = reflected(spot, viewer, &beam);
             if share.max_element() <= 0.0 {

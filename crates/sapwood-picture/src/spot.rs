@@ -78,7 +78,7 @@ impl Spot {
                     .unwrap_or(smooth);
                 let smooth_point = smooth_point(point, &points, &normals, w, side);
                 let numbers = points.map(Vec3::abs).into_iter().fold(Vec3::ZERO, Vec3::max);
-                let numbers = numbers.max(Vec3::from(to_world.translation).abs());
+                let numbers = numbers.max(to_world.translation.abs());
                 let clearance = CLEARANCE * numbers.max_element();
                 Self { point, normal, shading_normal, smooth_point, matter, clearance }
             }

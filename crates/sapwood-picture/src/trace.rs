@@ -2,6 +2,7 @@
 
 use sapwood_geom::glam::{Affine3, Vec2, Vec3};
 use sapwood_geom::{Aim, MeshHit32, Ray32, SharedMesh};
+use sapwood_graph::CrossFade;
 use smallvec::{SmallVec, smallvec};
 
 use crate::world::{Item, Look, Place, Surface, World};
@@ -253,10 +254,10 @@ impl World {
     #[inline]
     fn approached(&self, place: u32, ray: &Ray32) -> Approached<'_> {
         let Place { to_local, number: surface } = &self.places[place as usize];
-        let Surface { mesh, look } = &self.surfaces[*surface as usize];
+        let Surface { mesh, look, cross_fade } = &self.surfaces[*surface as usize];
         let look = &self.looks[*look as usize];
         let aim = Aim::new(ray.transformed(to_local));
-        Approached { surface: *surface, mesh, look, to_local, aim }
+        Approached { surface: *surface, mesh, look, cross_fade: *cross_fade, to_local, aim }
     }
 }
 
@@ -265,6 +266,7 @@ struct Approached<'a> {
     surface: u32,
     mesh: &'a SharedMesh,
     look: &'a Look,
+    cross_fade: Option<CrossFade>,
     /// From the cluster's frame to the mesh's.
     to_local: &'a Affine3,
     /// In the mesh's frame.
@@ -275,7 +277,8 @@ impl Approached<'_> {
     /// Whether the surface is there where it was hit.
     #[inline]
     fn is_there(&self, hit: &MeshHit32, chance: f32) -> bool {
-        !self.look.has_holes || self.look.is_there(uv_at(self.mesh, hit), chance)
+        self.cross_fade.is_none_or(|fade| fade.shows(chance))
+            && (!self.look.has_holes || self.look.is_there(uv_at(self.mesh, hit), chance))
     }
 
     /// Whether it is, and is seen from the side that was hit.

@@ -122,7 +122,7 @@ rules! {
             }
             LimitedBy::Side => {
                 let toward = Shared::new(vec![Vec3::X, Vec3::NEG_X]);
-                cx.aspects(Aspects { toward, center: Vec3::ZERO, without_eye: 2 }, inside);
+                cx.aspects(Aspects { toward, center: Vec3::ZERO, without_eye: 2, blends: false }, inside);
             }
         }
         Ok(())

@@ -18,7 +18,9 @@ use sapwood_geom::glam::Affine3;
 use sapwood_geom::{Digest, FixedMap, Mesh, Polyline, Shared, SharedMesh, fixed_state};
 
 pub use super::rigged::Follows;
-use crate::{Camera, DrawRange, EnvId, Kind, Label, Light, Limiter, Material, Rig, SiteId, Supply};
+use crate::{
+    Camera, CrossFade, DrawRange, EnvId, Kind, Label, Light, Limiter, Material, Rig, SiteId, Supply,
+};
 use look::{Limits, Look};
 
 /// Everything that a view draws.
@@ -91,6 +93,9 @@ pub struct DrawRow {
     /// Which of the instances are drawn, or which triangles of a single mesh; nothing for all.
     /// [`DrawList::as_drawn`] is for whoever cannot draw by parts.
     pub range: Option<DrawRange>,
+    /// In which pixels it is drawn, where another row of the same body is drawn in the others; nothing for
+    /// all. [`DrawList::as_drawn`] keeps the foremost of such rows.
+    pub cross_fade: Option<CrossFade>,
     /// Which joints of the body's rig the mesh's vertices follow, or its instances; nothing where
     /// the row does not sway.
     pub follows: Option<Follows>,
@@ -227,11 +232,11 @@ impl DrawList {
         Self { bodies, occurrences }
     }
 
-    /// The same with nothing left out by ranges: what is not drawn is not there. Copies the rows
-    /// that have a range, if there are any.
+    /// The same with nothing left out by ranges: what is not drawn is not there, and of what fades
+    /// into each other, only the foremost is. Copies the rows that have a range, if there are any.
     pub fn as_drawn(&self) -> Cow<'_, Self> {
         let has_range = |body: &Body| {
-            body.rows.iter().any(|row| row.range.is_some())
+            body.rows.iter().any(|row| row.range.is_some() || row.cross_fade.is_some())
                 || body.lines.iter().any(|row| row.range.is_some())
         };
         if !self.bodies.iter().any(has_range) {
@@ -239,7 +244,9 @@ impl DrawList {
         }
         let mut bodies = self.bodies.clone();
         for body in &mut bodies {
+            body.rows.retain(|row| row.cross_fade.is_none_or(|fade| fade.is_foremost()));
             for row in &mut body.rows {
+                row.cross_fade = None;
                 let Some(range) = row.range.take() else { continue };
                 let follows = row.follows.as_ref();
                 match &mut row.instances {

@@ -151,6 +151,7 @@ impl Merging {
                 material: Arc::clone(&material),
                 instances: None,
                 range: None,
+                cross_fade: None,
                 follows: None,
             })
         });
@@ -177,7 +178,15 @@ mod tests {
     fn row(name: &str, local: Affine3, instances: Option<Vec<Affine3>>) -> DrawRow {
         let material = Arc::new(Material::matte(name, 0.5, 0.5, 0.5));
         let instances = instances.map(Shared::new);
-        DrawRow { local, mesh: triangle(), material, instances, range: None, follows: None }
+        DrawRow {
+            local,
+            mesh: triangle(),
+            material,
+            instances,
+            range: None,
+            cross_fade: None,
+            follows: None,
+        }
     }
 
     /// Two occurrences of a body of two materials, one of them mirrored; five triangles each.

@@ -190,6 +190,7 @@ impl WeldUnion {
                 material,
                 instances: None,
                 range: None,
+                cross_fade: None,
                 follows: None,
             })
             .collect();

@@ -205,7 +205,15 @@ mod tests {
             let (instances, range, follows) = (None, None, None);
             let material = Arc::new(Material::matte(name, 0.5, 0.5, 0.5));
             let (local, mesh) = (Affine3::IDENTITY, SharedMesh::new(half(is_first)));
-            body.rows.push(DrawRow { local, mesh, material, instances, range, follows });
+            body.rows.push(DrawRow {
+                local,
+                mesh,
+                material,
+                instances,
+                range,
+                cross_fade: None,
+                follows,
+            });
         }
         body.is_solid = is_solid;
         let occurrences = vec![Occurrence { body: 0, world: Affine3::IDENTITY }];

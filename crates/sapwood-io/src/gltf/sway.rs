@@ -220,6 +220,7 @@ mod tests {
             material: Arc::clone(&material),
             instances: instances.map(Shared::new),
             range: None,
+            cross_fade: None,
             follows,
         };
         let places = [0.5, 1.5, 2.5].map(|y| Affine3::from_translation(Vec3::new(0.5, y, 0.0)));

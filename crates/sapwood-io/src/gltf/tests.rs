@@ -49,6 +49,7 @@ fn row(mesh: Mesh, name: &str) -> DrawRow {
         material: material(name),
         instances: None,
         range: None,
+        cross_fade: None,
         follows: None,
     }
 }

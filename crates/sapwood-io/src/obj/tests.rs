@@ -38,6 +38,7 @@ fn row(mesh: &SharedMesh, name: &str, instances: Option<Vec<Affine3>>) -> DrawRo
         material: Arc::new(Material::matte(name, 0.25, 0.5, 0.125)),
         instances: instances.map(Shared::new),
         range: None,
+        cross_fade: None,
         follows: None,
     }
 }

@@ -27,17 +27,20 @@ pub struct ImpostorOptions {
 /// The light that images are taken in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ImpostorLight {
-    /// This light, which images then show whatever light falls on the boards: they shine by
-    /// themselves. Looks right under that light, and where the impostor stands as it was made.
+    /// This light and that of lights in the view, which images then show whatever light falls on the
+    /// boards: they shine by themselves. Looks right under that light, and where the impostor stands
+    /// as it was made.
     Baked {
         /// The sun.
         sun: Option<Sun>,
         /// The sky.
         sky: Sky,
     },
-    /// White light from all sides alike: images show the surfaces' own colours, and the shade that
-    /// they throw on each other. The boards are lit by what light there is, as boards are. Lights
-    /// that the view itself has shine in the images too.
+    /// White light from all sides alike, [`Sky::even`], and no other: images show the surfaces' own
+    /// colours, and the shade that they throw on each other. In that light a board looks as what it
+    /// stands for does. It is lit by whatever light there is, as boards are: in a light of another
+    /// colour it has that colour, and under a sun it is as bright as its slope to the sun has it, and
+    /// has no side in the shade.
     Even,
 }
 
@@ -50,12 +53,9 @@ impl ImpostorLight {
     pub(super) fn picture_options(&self) -> PictureOptions {
         let (sun, sky) = match *self {
             Self::Baked { sun, sky } => (sun, sky),
-            Self::Even => {
-                let [zenith, horizon, nadir] = [[1.0; 3]; 3];
-                (None, Sky { zenith, horizon, nadir, ..Sky::default() })
-            }
+            Self::Even => (None, Sky::even([1.0; 3])),
         };
-        PictureOptions { sun, sky, ..PictureOptions::default() }
+        PictureOptions { sun, sky, lights: self.is_baked(), ..PictureOptions::default() }
     }
 }
 

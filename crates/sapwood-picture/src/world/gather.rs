@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use sapwood_geom::glam::{Affine3, Vec3};
-use sapwood_geom::{FixedSet, SharedMesh, fixed_state};
+use sapwood_geom::{FixedSet, Polyline, SharedMesh, fixed_state};
 use sapwood_graph::{
-    DrawRange, EnvId, Interrupted, LimitsAbove, Material, RenderNode, Run, SiteId, Supplied,
-    Supply, Vantage,
+    CrossFade, DrawnPart, EnvId, Interrupted, LimitsAbove, Material, RenderNode, Run, SiteId,
+    Supplied, Supply, Vantage,
 };
 
 use super::{Cluster, Item, LinePiece, MOST_ITEMS, Place, PlacedLight, Surface, Wait, World};
@@ -151,9 +151,17 @@ impl<'a> Gather<'a> {
                 | RenderNode::Instances { .. }
                 | RenderNode::Lines(_)
                 | RenderNode::Light(_)) => {
-                    let part = limits.drawn(plan.fragment.n_drawn(index).unwrap_or(1));
-                    let drawn = (drawn, plan.fragment.line_material(index));
-                    self.add(drawn, part, &frame, task, items);
+                    let n = plan.fragment.n_drawn(index).unwrap_or(1);
+                    let of_lines = plan.fragment.line_material(index);
+                    if let RenderNode::Lines(lines) = drawn {
+                        let (part, _) = limits.drawn(n);
+                        self.add_lines(part.of(lines), of_lines, &frame, task, items);
+                        continue;
+                    }
+                    let (parts, growth) = limits.parts(n);
+                    for part in parts {
+                        self.add(drawn, (part, growth), &frame, task, items);
+                    }
                     continue;
                 }
                 RenderNode::Deferred(run) => {
@@ -169,8 +177,8 @@ impl<'a> Gather<'a> {
     /// Adds what one node draws, as far as it is drawn, instances larger by a factor.
     fn add(
         &mut self,
-        (drawn, of_lines): (RenderNode<'_>, Option<&Arc<Material>>),
-        (part, growth): (DrawRange, f32),
+        drawn: RenderNode<'_>,
+        (DrawnPart { range: part, cross_fade }, growth): (DrawnPart, f32),
         frame: &Affine3,
         task: &Task,
         items: &mut Vec<Item>,
@@ -191,23 +199,6 @@ impl<'a> Gather<'a> {
             RenderNode::Instances { mesh, material, transforms } => {
                 (mesh, material, part.of(transforms))
             }
-            RenderNode::Lines(lines) => {
-                let width = self.world.line_width;
-                self.world.has_lines = true;
-                let look = of_lines.map(|material| self.world.look(material));
-                for line in part.of(lines).iter().filter(|line| line.fault().is_none()) {
-                    let piece = |i: usize| {
-                        let ends = [i, i + 1].map(|i| frame.transform_point3(line.points[i]));
-                        let radii = [line.radii[i], line.radii[i + 1]];
-                        LinePiece::new(ends, radii, look, &width, &task.outside)
-                    };
-                    let first = self.world.lines.len() as u32;
-                    let n_pieces = line.points.len().saturating_sub(1);
-                    self.world.lines.extend((0..n_pieces).map(piece));
-                    items.extend((first..).take(n_pieces).map(Item::Line));
-                }
-                return;
-            }
             RenderNode::Light(light) => {
                 if task.shows_lights && light.fault().is_none() {
                     let world = task.outside * *frame;
@@ -222,6 +213,7 @@ impl<'a> Gather<'a> {
             | RenderNode::Fading(_)
             | RenderNode::Aspects(_)
             | RenderNode::Swaying(_)
+            | RenderNode::Lines(_)
             | RenderNode::Camera(_)
             | RenderNode::Label(_)
             | RenderNode::Deferred(_) => return,
@@ -230,7 +222,7 @@ impl<'a> Gather<'a> {
             return;
         }
         let look = self.world.look(material);
-        let surface = self.surface(mesh.clone(), look);
+        let surface = self.surface(mesh.clone(), look, cross_fade);
         for transform in transforms {
             if self.world.n_items > MOST_ITEMS {
                 return;
@@ -248,9 +240,34 @@ impl<'a> Gather<'a> {
                 flat.append(mesh, &frame);
                 // Its own copy, unlike all others.
                 self.world.n_items += mesh.n_triangles() as u64;
-                let surface = self.surface(SharedMesh::new(flat), look);
+                let surface = self.surface(SharedMesh::new(flat), look, cross_fade);
                 self.stand(surface, Affine3::IDENTITY, true, items);
             }
+        }
+    }
+
+    /// Adds lines.
+    fn add_lines(
+        &mut self,
+        lines: &[Polyline],
+        material: Option<&Arc<Material>>,
+        frame: &Affine3,
+        task: &Task,
+        items: &mut Vec<Item>,
+    ) {
+        let width = self.world.line_width;
+        self.world.has_lines = true;
+        let look = material.map(|material| self.world.look(material));
+        for line in lines.iter().filter(|line| line.fault().is_none()) {
+            let piece = |i: usize| {
+                let ends = [i, i + 1].map(|i| frame.transform_point3(line.points[i]));
+                let radii = [line.radii[i], line.radii[i + 1]];
+                LinePiece::new(ends, radii, look, &width, &task.outside)
+            };
+            let first = self.world.lines.len() as u32;
+            let n_pieces = line.points.len().saturating_sub(1);
+            self.world.lines.extend((0..n_pieces).map(piece));
+            items.extend((first..).take(n_pieces).map(Item::Line));
         }
     }
 
@@ -261,8 +278,8 @@ impl<'a> Gather<'a> {
         packs.put(&surfaces[surface as usize].mesh, place, alone, items);
     }
 
-    fn surface(&mut self, mesh: SharedMesh, look: u32) -> u32 {
-        self.world.surfaces.push(Surface { mesh, look });
+    fn surface(&mut self, mesh: SharedMesh, look: u32, cross_fade: Option<CrossFade>) -> u32 {
+        self.world.surfaces.push(Surface { mesh, look, cross_fade });
         self.world.surfaces.len() as u32 - 1
     }
 

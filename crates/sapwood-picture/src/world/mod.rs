@@ -17,7 +17,9 @@ use std::sync::Arc;
 
 use sapwood_geom::glam::{Affine3, Vec3};
 use sapwood_geom::{Bound, Digest, FixedMap, SharedMesh, fixed_state};
-use sapwood_graph::{EnvId, Interrupted, Light, Material, Provide, SiteId, Supplied, discover};
+use sapwood_graph::{
+    CrossFade, EnvId, Interrupted, Light, Material, Provide, SiteId, Supplied, discover,
+};
 
 pub(crate) use cluster::{Cluster, Item, Place};
 pub(crate) use line::{LinePiece, LineWidth};
@@ -65,6 +67,8 @@ pub(crate) struct World {
 pub(crate) struct Surface {
     pub(crate) mesh: SharedMesh,
     pub(crate) look: u32,
+    /// In which pixels it is seen; nothing for all.
+    pub(crate) cross_fade: Option<CrossFade>,
 }
 
 /// A light at its place.

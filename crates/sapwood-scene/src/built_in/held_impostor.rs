@@ -8,8 +8,9 @@ use sapwood_graph::{Impostor, Named};
 use crate::{Component, Context, MaterialSlot, Rule, RuleError, Style, StyleSlot};
 
 /// A finished [`Impostor`], as the last child of a [`LevelOfDetail`](crate::LevelOfDetail) beside
-/// what it stands for. It shows the aspect that the view's [`Viewer`](crate::Viewer) would see; as
-/// wires, the edges of those that are there for no eye.
+/// what it stands for. It shows the aspect that the view's [`Viewer`](crate::Viewer) would see, or
+/// between two of them both, as they fade into each other; as wires, the edges of those that are
+/// there for no eye.
 #[derive(Clone, Debug)]
 pub struct HeldImpostor {
     /// The boards.

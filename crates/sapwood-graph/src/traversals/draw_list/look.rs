@@ -6,8 +6,9 @@ use sapwood_geom::glam::{Affine3, Vec3};
 use sapwood_geom::{Mesh, Shared, SharedMesh};
 
 use super::{Body, Builder, CameraRow, DrawRow, LabelRow, LightRow, LineRow, Top};
+use crate::cross_fade::DrawnParts;
 use crate::traversals::rigged::Rigging;
-use crate::{DrawRange, Facing, Limiter, RenderNode, Rig, Supplied, Supply, Vantage};
+use crate::{DrawnPart, Facing, Limiter, RenderNode, Rig, Supplied, Supply, Vantage};
 
 /// What is drawn from a top on, and the tops right below it.
 pub(super) struct Look<'a> {
@@ -76,14 +77,19 @@ struct LimitedRow<'a> {
 }
 
 /// What is drawn of one row, and the bits of how much larger.
-pub(super) type Limits = (DrawRange, u32);
+pub(super) type Limits = (DrawnParts, u32);
 
 impl LimitedBody<'_> {
     fn limits(&self, world: &Affine3, above: Option<&Affine3>, supply: &dyn Supply) -> Vec<Limits> {
         let limits = self.rows.iter().map(|row| {
             let at = row.at.world(world, &above.copied()).unwrap_or(*world);
             let vantage = Vantage::of(&at, supply.eye());
-            (row.limiter.drawn(row.n, &vantage), row.limiter.growth(&vantage).to_bits())
+            let parts = if row.is_lines {
+                DrawnPart::alone(row.limiter.drawn(row.n, &vantage))
+            } else {
+                row.limiter.parts(row.n, &vantage)
+            };
+            (parts, row.limiter.growth(&vantage).to_bits())
         });
         limits.collect()
     }
@@ -91,21 +97,30 @@ impl LimitedBody<'_> {
     /// What is left of the body; rows of which nothing is are gone.
     fn limited(&self, limits: &[Limits]) -> Body {
         let mut body = self.whole.clone();
-        for (row, (range, growth)) in self.rows.iter().zip(limits) {
-            let range = (range.len() < row.n).then_some(*range);
+        let mut others = Vec::new();
+        for (row, ([first, other], growth)) in self.rows.iter().zip(limits) {
+            let part = |part: &DrawnPart| (part.range.len() < row.n).then_some(part.range);
+            let range = first.as_ref().and_then(part);
             if row.is_lines {
                 body.lines[row.number].range = range;
                 continue;
             }
             let drawn = &mut body.rows[row.number];
             drawn.range = range;
+            drawn.cross_fade = first.and_then(|part| part.cross_fade);
             let growth = f32::from_bits(*growth);
             if growth != 1.0 && drawn.instances.is_some() {
                 let mut grown = Mesh::default();
                 grown.append(&drawn.mesh, &Affine3::from_scale(Vec3::splat(growth)));
                 drawn.mesh = SharedMesh::new(grown);
             }
+            others.extend(other.map(|other| DrawRow {
+                range: part(&other),
+                cross_fade: other.cross_fade,
+                ..drawn.clone()
+            }));
         }
+        body.rows.extend(others);
         body.rows.retain(|row| row.range.is_none_or(|range| !range.is_empty()));
         body.lines.retain(|row| row.range.is_none_or(|range| !range.is_empty()));
         body
@@ -191,6 +206,7 @@ impl<'a> Builder<'a> {
                     material: Arc::clone(material),
                     instances: None,
                     range: None,
+                    cross_fade: None,
                     follows,
                 }),
                 RenderNode::Instances { mesh, material, transforms } => body.rows.push(DrawRow {
@@ -199,6 +215,7 @@ impl<'a> Builder<'a> {
                     material: Arc::clone(material),
                     instances: Some(transforms.clone()),
                     range: None,
+                    cross_fade: None,
                     follows,
                 }),
                 RenderNode::Lines(lines) => {

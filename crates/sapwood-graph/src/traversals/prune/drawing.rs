@@ -93,7 +93,15 @@ impl<'a> Drawing<'a> {
                 let material = Arc::clone(material);
                 self.add(at, |body| {
                     let (instances, range, follows) = (None, None, None);
-                    body.rows.push(DrawRow { local, mesh, material, instances, range, follows });
+                    body.rows.push(DrawRow {
+                        local,
+                        mesh,
+                        material,
+                        instances,
+                        range,
+                        cross_fade: None,
+                        follows,
+                    });
                 })
             }
             RenderNode::Instances { mesh, material, transforms } => {
@@ -109,6 +117,7 @@ impl<'a> Drawing<'a> {
                             material,
                             instances,
                             range,
+                            cross_fade: None,
                             follows,
                         });
                     })?;

@@ -325,6 +325,7 @@ fn envelopes_are_read_from_words_and_from_models_beside_the_file() {
         material,
         instances: None,
         range: None,
+        cross_fade: None,
         follows: None,
     });
     let occurrences = vec![Occurrence { body: 0, world: Affine3::from_translation(Vec3::X) }];

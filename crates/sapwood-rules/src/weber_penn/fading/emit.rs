@@ -121,6 +121,7 @@ impl Emitting<'_> {
                     material: material.clone(),
                     instances: None,
                     range: self.limit(at, mesh.n_triangles()),
+                    cross_fade: None,
                     follows: None,
                 };
                 let stems = self.stems.get(&at.path().number_above());
@@ -142,6 +143,7 @@ impl Emitting<'_> {
                     material: material.clone(),
                     instances: Some(transforms.clone()),
                     range: self.limit(at, transforms.len()),
+                    cross_fade: None,
                     follows: None,
                 };
                 if fades && shows == Some(Kind::of::<Leaf>()) {

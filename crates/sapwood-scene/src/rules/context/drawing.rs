@@ -44,7 +44,8 @@ impl Context<'_> {
     }
 
     /// Has that aspect drawn of each mesh, of instances and of lines that `inside` draws whose
-    /// direction is nearest to the eye's. What it emits is not concerned.
+    /// direction is nearest to the eye's, or where they blend, the two nearest. What it emits is
+    /// not concerned.
     pub fn aspects(&mut self, aspects: Aspects, inside: impl FnOnce(&mut Self)) {
         self.fragment.open_aspects(aspects);
         inside(self);

@@ -32,6 +32,7 @@ pub(super) fn written() -> DrawList {
         material: material.into(),
         instances: instances.map(Shared::new),
         range: None,
+        cross_fade: None,
         follows: None,
     };
     let at = |x: f32| Affine3::from_translation(Vec3::new(x, 0.5, 0.0));
