@@ -1,7 +1,7 @@
 //! Views: who looks at a scene, with which rules.
 
 use std::any::TypeId;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 use sapwood_geom::FixedMap;
 use sapwood_graph::SiteId;
@@ -20,7 +20,8 @@ pub struct ViewId {
 pub(crate) struct View {
     pub(crate) generation: u64,
     pub(crate) root: NodeId,
-    pub(crate) rules: RuleSet,
+    /// Shared with compiling, which reads them side by side.
+    pub(crate) root_values: Arc<RootValues>,
     /// For each kind of authored component by its storage number, the number of the rule that
     /// serves it; `None` where no rule does. Kinds beyond the end have not been met yet.
     pub(crate) authored_rules: Vec<Option<u32>>,
@@ -30,7 +31,6 @@ pub(crate) struct View {
     pub(crate) rules_since: u64,
     /// The revision at which a root value was set.
     pub(crate) values_since: u64,
-    pub(crate) held: FixedMap<TypeId, RootValue>,
     pub(crate) moving: FixedMap<TypeId, SlotValue>,
     pub(crate) moving_defaults: Mutex<FixedMap<TypeId, SlotValue>>,
     /// Grows whenever a moving slot is set.
@@ -42,19 +42,36 @@ pub(crate) struct View {
     pub(crate) cancel: CancelToken,
 }
 
+/// What holds above a view's root: its rules, and values of held slots.
+#[derive(Clone)]
+pub(crate) struct RootValues {
+    pub(crate) rules: RuleSet,
+    pub(crate) held: FixedMap<TypeId, RootValue>,
+}
+
 /// The value of a held slot above a view's root.
+#[derive(Clone)]
 pub(crate) struct RootValue {
     pub(crate) slot: SlotKey,
     pub(crate) value: SlotValue,
     pub(crate) is_forced: bool,
 }
 
-impl View {
+impl RootValues {
     /// The slots that are forced above the root.
     pub(crate) fn forced(&self) -> ForcedSlots {
         let forced = self.held.values().filter(|held| held.is_forced);
         let mut slots: ForcedSlots = forced.map(|held| held.slot).collect();
         slots.sort_unstable();
         slots
+    }
+
+    /// The value of a slot, unless it is the default.
+    pub(crate) fn value(&self, slot: SlotKey) -> Option<SlotValue> {
+        if let Some(kind) = slot.served() {
+            let rule = self.rules.rule(kind)?;
+            return Some(SlotValue::standing_for(rule.identity().digest()));
+        }
+        self.held.get(&slot.type_id()).map(|held| held.value.clone())
     }
 }

@@ -1,20 +1,26 @@
-//! Batches: the `init`s of a batch run side by side, and what comes of them is published in order.
+//! Batches: the `init`s of a batch run side by side, while what came of those of the batch before is
+//! published in order.
 //!
 //! Rules are pure, so they may run ahead of their turn, on any thread. Everything else is done
 //! in the order of the wants, as if nothing had run ahead, and so comes out the same whatever the
 //! number of threads: what ran ahead counts only where it is what would have run now.
+
+use std::sync::{Arc, Mutex};
 
 use rayon::prelude::*;
 use sapwood_geom::{FixedSet, fixed_state};
 use sapwood_graph::{EnvId, Interrupted, SiteId, Want};
 
 use super::cache::Target;
-use super::init::{Outcome, Run};
+use super::ingredients::{PlansOfView, PlansUnseen};
+use super::init::{Job, Outcome, Run};
 use super::pull::Pull;
-use crate::rules::Memories;
+use crate::rules::{Limits, Memories, Stock};
+use crate::semantic::Graph;
+use crate::slots::Environments;
 
 /// Wants whose `init`s run ahead together; what comes of them waits for its turn in memory.
-const TOGETHER: usize = 256;
+const TOGETHER: usize = 128;
 
 /// `init`s that one thread takes at a time.
 const AT_A_TIME: usize = 4;
@@ -29,8 +35,34 @@ pub(super) struct Ahead {
     rule: u32,
     env: EnvId,
     previous: Option<SiteId>,
-    /// Nothing where it was interrupted. Boxed, for it is handed on several times.
+    memories: Memories,
+    job: Job,
+    /// Nothing where it was interrupted, or did not run yet. Boxed, for it is handed on several
+    /// times.
     run: Option<Box<Run>>,
+}
+
+/// What is about to be made: whoever comes later may find what the first one will have made.
+struct AboutToBeMade {
+    batch: FixedSet<(Target, u32)>,
+    /// In the batch before, which may not be published yet.
+    before: FixedSet<(Target, u32)>,
+}
+
+impl AboutToBeMade {
+    fn new() -> Self {
+        let none = FixedSet::with_hasher(fixed_state());
+        Self { batch: none.clone(), before: none }
+    }
+
+    fn begin_batch(&mut self) {
+        std::mem::swap(&mut self.batch, &mut self.before);
+        self.batch.clear();
+    }
+
+    fn is_first(&mut self, target: Target, rule: u32) -> bool {
+        !self.before.contains(&(target, rule)) && self.batch.insert((target, rule))
+    }
 }
 
 impl Ahead {
@@ -52,11 +84,33 @@ impl Ahead {
     }
 }
 
-impl Pull<'_> {
+impl<'a> Pull<'a> {
     /// Fills links, in order.
     pub(super) fn fill_all(&mut self, wants: &[Want]) -> Result<(), Interrupted> {
-        for (i, together) in wants.chunks(TOGETHER).enumerate() {
-            let outcome = self.fill_together(together);
+        let runs_ahead = wants.len() > 1 && rayon::current_num_threads() > 1;
+        let mut about = AboutToBeMade::new();
+        let mut batches = wants.chunks(TOGETHER).enumerate().peekable();
+        let mut next = Vec::new();
+        if let Some((_, first)) = batches.peek().filter(|_| runs_ahead) {
+            next = self.foresee(first, &mut about);
+            self.run_all(&mut next, |_| true);
+        }
+        while let Some((i, batch)) = batches.next() {
+            let ahead = std::mem::take(&mut next);
+            let outcome = match batches.peek().filter(|_| runs_ahead) {
+                None => self.fill_together(batch, ahead),
+                Some((_, coming)) => {
+                    next = self.foresee(coming, &mut about);
+                    let beside = self.beside();
+                    let outcome = rayon::in_place_scope(|scope| {
+                        scope.spawn(|_| beside.run_all(&mut next));
+                        self.fill_together(batch, ahead)
+                    });
+                    // What was published meanwhile is seen now.
+                    self.run_all(&mut next, Ahead::is_lacking);
+                    outcome
+                }
+            };
             if let Err((n_filled, why)) = outcome {
                 if let Interrupted::Exhausted { .. } = why {
                     self.let_go(&wants[i * TOGETHER + n_filled..]);
@@ -68,8 +122,11 @@ impl Pull<'_> {
     }
 
     /// Fills links; where that is interrupted, tells how many were filled as well.
-    fn fill_together(&mut self, wants: &[Want]) -> Result<(), (usize, Interrupted)> {
-        let mut all_ahead = self.run_ahead(wants);
+    fn fill_together(
+        &mut self,
+        wants: &[Want],
+        mut all_ahead: Vec<Option<Ahead>>,
+    ) -> Result<(), (usize, Interrupted)> {
         let mut n_again = 0;
         for (i, want) in wants.iter().enumerate() {
             let ahead = all_ahead.get_mut(i).and_then(Option::take);
@@ -84,27 +141,20 @@ impl Pull<'_> {
         Ok(())
     }
 
-    /// Runs the `init`s of whatever has to be made, each once.
-    fn run_ahead(&mut self, wants: &[Want]) -> Vec<Option<Ahead>> {
-        if wants.len() < 2 || rayon::current_num_threads() < 2 {
-            return Vec::new();
-        }
-        let mut seen: FixedSet<(Target, u32)> = FixedSet::with_hasher(fixed_state());
-        let mut all: Vec<Option<Ahead>> =
-            wants.iter().map(|want| self.foreseen_run(*want, &mut seen)).collect();
-        self.run_all(&mut all, |_| true);
-        all
+    /// The `init`s of whatever has to be made, each once.
+    fn foresee(&mut self, wants: &[Want], about: &mut AboutToBeMade) -> Vec<Option<Ahead>> {
+        about.begin_batch();
+        wants.iter().map(|want| self.foreseen_run(*want, about)).collect()
     }
 
     /// Which `init` will run for a want, if one will.
-    fn foreseen_run(&mut self, want: Want, seen: &mut FixedSet<(Target, u32)>) -> Option<Ahead> {
+    fn foreseen_run(&mut self, want: Want, about: &mut AboutToBeMade) -> Option<Ahead> {
         let previous = self.previous(want)?;
         let target = self.cache.plan_of(want.site).links[want.link as usize].target;
         self.cache.resolve_kinds(self.view, self.graph);
         self.target_kind(target)?;
         let rule = self.rule_for(target)?;
-        // Whoever comes later may find what the first one will have made.
-        if !seen.insert((target, rule)) {
+        if !about.is_first(target, rule) {
             return None;
         }
         let env = self.behind(want);
@@ -112,7 +162,8 @@ impl Pull<'_> {
         let revision = self.revision_of(target);
         let is_there =
             self.is_too_deep(env) || self.find(target, rule, revision, env, &memories).is_some();
-        (!is_there).then_some(Ahead { target, rule, env, previous, run: None })
+        let job = (!is_there).then(|| self.job(target, rule, env))?;
+        Some(Ahead { target, rule, env, previous, memories, job, run: None })
     }
 
     /// Runs those again that lacked an ingredient, or forgets what they came to.
@@ -129,17 +180,54 @@ impl Pull<'_> {
     }
 
     fn run_all(&self, all: &mut [Option<Ahead>], which: impl Fn(&Ahead) -> bool) {
-        let mut chosen: Vec<&mut Ahead> =
-            all.iter_mut().flatten().filter(|ahead| which(ahead)).collect();
-        if chosen.is_empty() {
-            return;
-        }
-        let limits = self.limits();
+        let (limits, plans) = (self.limits(), PlansOfView { cache: self.cache, view: self.view });
+        run_each(all, which, |Ahead { memories, job, .. }| {
+            let stock = Stock { plans: &plans, known: &[] };
+            job.run(self.graph, &self.environments, memories, stock, &limits)
+        });
+    }
+
+    /// What `init`s see while what others made is published.
+    fn beside(&self) -> Beside<'a> {
+        let environments = Arc::clone(&self.environments);
+        let plans = PlansUnseen { root_values: Arc::clone(&self.view.root_values) };
+        Beside { graph: self.graph, environments, plans, limits: self.limits() }
+    }
+}
+
+/// What `init`s see while what others made is published: nothing that publishing changes.
+struct Beside<'a> {
+    graph: &'a Graph,
+    environments: Arc<Mutex<Environments>>,
+    plans: PlansUnseen,
+    limits: Limits,
+}
+
+impl Beside<'_> {
+    fn run_all(&self, all: &mut [Option<Ahead>]) {
+        run_each(
+            all,
+            |_| true,
+            |Ahead { memories, job, .. }| {
+                let stock = Stock { plans: &self.plans, known: &[] };
+                job.run(self.graph, &self.environments, memories, stock, &self.limits)
+            },
+        );
+    }
+}
+
+/// Runs `init`s side by side, a few by each thread at a time.
+fn run_each(
+    all: &mut [Option<Ahead>],
+    which: impl Fn(&Ahead) -> bool,
+    run: impl Fn(&Ahead) -> Result<Run, Interrupted> + Sync,
+) {
+    let mut chosen: Vec<&mut Ahead> =
+        all.iter_mut().flatten().filter(|ahead| which(ahead)).collect();
+    if !chosen.is_empty() {
         chosen.par_iter_mut().with_min_len(AT_A_TIME).for_each(|ahead| {
-            let Ahead { target, rule, env, previous, .. } = **ahead;
-            let memories: Memories = self.memories(target, rule, previous);
             // An interruption is met again when its turn comes, and counts then.
-            ahead.run = self.init(target, rule, env, &memories, &[], &limits).ok().map(Box::new);
+            ahead.run = run(ahead).ok().map(Box::new);
         });
     }
 }

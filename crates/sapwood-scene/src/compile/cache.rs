@@ -10,13 +10,13 @@ use sapwood_graph::{
 };
 use smallvec::SmallVec;
 
+use super::emitted::EmittedComponents;
 use super::plan_group::PlanGroup;
 use crate::NodeId;
 use crate::column::{AnyColumn, Column};
 use crate::log::EventLog;
-use crate::rules::{AnyRule, Ingredients, NO_SCOPE, Read, RuleIdentity, Scope, no_data};
-use crate::semantic::{ComponentRow, Storage};
-use crate::slots::SlotKey;
+use crate::rules::{AnyRule, Ingredients, Read, RuleIdentity, no_data};
+use crate::slots::{NO_SCOPE, Scope, SlotKey};
 
 /// A component that a link leads to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -40,7 +40,8 @@ pub(crate) struct Plan {
     pub(crate) revision: u64,
     pub(crate) fragment: Fragment,
     pub(crate) links: SmallVec<[PlanLink; 1]>,
-    pub(crate) scopes: SmallVec<[Scope; 1]>,
+    /// Shared with the environments behind its links.
+    pub(crate) scopes: Arc<[Scope]>,
     /// Whether any of them forces or protects.
     pub(crate) forces: bool,
     pub(crate) parts: Parts,
@@ -127,24 +128,16 @@ pub(crate) struct KnownRule {
     pub(crate) interfaces: Interfaces,
 }
 
-/// A component that came out of a rule.
-pub(crate) struct Emitted {
-    pub(crate) component: ComponentRow,
-    pub(crate) digest: Digest,
-}
-
 /// Everything that was compiled.
 pub(crate) struct Cache {
     pub(crate) plans: Column<Plan>,
     pub(crate) sites: Column<Site>,
-    pub(crate) emitted: Column<Emitted>,
-    pub(crate) emitted_storage: Storage,
+    pub(crate) emitted: EmittedComponents,
     pub(crate) rules: Vec<KnownRule>,
     /// What plans offer that no rule made.
     no_interfaces: Interfaces,
     pub(crate) groups: FixedMap<(Target, u32), PlanGroup>,
     pub(crate) site_index: FixedMap<u64, SiteId>,
-    pub(crate) emitted_index: FixedMap<(Kind, Digest), u32>,
     /// Triangles in all plans together.
     pub(crate) triangles: u64,
     /// Parts in all plans together.
@@ -183,13 +176,11 @@ impl Cache {
         Self {
             plans: Column::new(),
             sites: Column::new(),
-            emitted: Column::new(),
-            emitted_storage: Storage::new(),
+            emitted: EmittedComponents::new(),
             rules: Vec::new(),
             no_interfaces: Interfaces::of::<ViewRoot, ()>(|_| {}),
             groups: FixedMap::with_hasher(fixed_state()),
             site_index: FixedMap::with_hasher(fixed_state()),
-            emitted_index: FixedMap::with_hasher(fixed_state()),
             triangles: 0,
             n_parts: 0,
             settling: 0,
@@ -252,7 +243,7 @@ impl Cache {
             digester.add(&link.key).add(&link.scope);
         }
         digester.add(&plan.scopes.len());
-        for scope in &plan.scopes {
+        for scope in plan.scopes.iter() {
             digester
                 .add(&scope.outer)
                 .add(scope.slot.name())
@@ -280,7 +271,7 @@ impl Cache {
                 key: 0,
                 scope: NO_SCOPE
             }],
-            scopes: SmallVec::new(),
+            scopes: Arc::default(),
             forces: false,
             parts: Parts::default(),
             reads: Box::default(),

@@ -75,14 +75,6 @@ impl Cache {
                 }
             }
         }
-        let gone: Vec<u32> =
-            self.emitted.iter().map(|(number, _)| number).filter(|n| !keep.contains(n)).collect();
-        for number in gone {
-            if let Some(emitted) = self.emitted.remove(number) {
-                let kind = self.emitted_storage.kind(emitted.component);
-                self.emitted_index.remove(&(kind, emitted.digest));
-                self.emitted_storage.remove(emitted.component);
-            }
-        }
+        self.emitted.retain(&keep);
     }
 }

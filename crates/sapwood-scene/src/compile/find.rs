@@ -9,7 +9,6 @@ use sapwood_graph::{EnvId, Interrupted, SiteId};
 use super::batch::Ahead;
 use super::cache::{Cache, Plan, Target};
 use super::pull::Pull;
-use super::pushes::Pushes;
 use crate::log::Action;
 use crate::rules::Memories;
 use crate::slots::SlotReader;
@@ -83,11 +82,10 @@ impl Pull<'_> {
             group.revision = revision;
             return None;
         }
-        let pushes = Pushes { cache: self.cache, view: self.view };
-        let (groups, environments) = (&self.cache.groups, &self.environments);
-        groups
+        self.cache
+            .groups
             .get(&(target, rule))?
-            .find(|key| key.read_again(&mut SlotReader::new(&pushes, environments, env), memories))
+            .find(|key| key.read_again(&mut SlotReader::new(&self.environments, env), memories))
     }
 
     /// A plan of an earlier edit that reads the same values and is equal.

@@ -5,6 +5,8 @@
 //! fails alone: whether more ingredients than allowed lie above each other is the same whichever
 //! of them were compiled before, so what fails does not depend on that.
 
+use std::sync::Arc;
+
 use sapwood_geom::Digest;
 use sapwood_graph::{EnvId, Interrupted, Kind};
 
@@ -17,7 +19,7 @@ use crate::rules::{
     MOST_INGREDIENTS, Memories, Need, too_high, too_many,
 };
 use crate::slots::{SlotKey, SlotReader};
-use crate::view::View;
+use crate::view::{RootValues, View};
 
 /// How much may be compiled.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -115,7 +117,7 @@ impl Pull<'_> {
                     }
                     pending.push(top);
                     let Need { kind, content, component } = need;
-                    let target = self.identify(content, component);
+                    let target = Target::Emitted(self.cache.emitted.identify(content, component));
                     self.cache.resolve_kinds(self.view, self.graph);
                     let rule = self.rule_for(target).expect("what no rule serves is no need");
                     let is_made_of_itself =
@@ -215,6 +217,22 @@ fn too_high_draft(pending: Vec<Pending>, last: Kind) -> Draft {
     Draft::error(kind, too_high(first), tables, slots.into())
 }
 
+/// The plans that are there, for rules that run while plans are published: they see none.
+pub(super) struct PlansUnseen {
+    pub(super) root_values: Arc<RootValues>,
+}
+
+impl CompiledPlans for PlansUnseen {
+    fn find(&self, kind: Kind, _: Digest, _: &mut SlotReader<'_>, _: &Memories) -> Found<'_> {
+        let rule = self.root_values.rules.rule(kind);
+        rule.map_or(Found::NoRule, |_| Found::Missing)
+    }
+
+    fn plan(&self, _: u32) -> CompiledPlan<'_> {
+        unreachable!("a plan that was found before was seen")
+    }
+}
+
 /// The plans that are there, for the rules of one view.
 pub(super) struct PlansOfView<'a> {
     pub(super) cache: &'a Cache,
@@ -229,13 +247,13 @@ impl CompiledPlans for PlansOfView<'_> {
         slots: &mut SlotReader<'_>,
         memories: &Memories,
     ) -> Found<'_> {
-        if self.view.rules.rule(kind).is_none() {
+        if self.view.root_values.rules.rule(kind).is_none() {
             return Found::NoRule;
         }
         let mut known = || {
-            let number = *self.cache.emitted_index.get(&(kind, content))?;
-            let row = self.cache.emitted[number].component;
-            let rule = self.view.emitted_rules.get(row.kind as usize).copied().flatten()?;
+            let number = self.cache.emitted.number(kind, content)?;
+            let kind = self.cache.emitted[number].kind.number;
+            let rule = self.view.emitted_rules.get(kind as usize).copied().flatten()?;
             let group = self.cache.groups.get(&(Target::Emitted(number), rule))?;
             group.find(|key| key.read_again(slots, memories))
         };

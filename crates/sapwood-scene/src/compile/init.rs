@@ -1,7 +1,7 @@
 //! Running a rule's `init`, and distrusting it.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use sapwood_geom::{FixedSet, fixed_state};
 use sapwood_graph::{EnvId, Interrupted};
@@ -9,12 +9,14 @@ use sapwood_graph::{EnvId, Interrupted};
 use super::cache::{Plan, Target};
 use super::ingredients::{Allowance, PlansOfView};
 use super::pull::Pull;
-use super::pushes::Pushes;
+use crate::NodeId;
 use crate::panic::words_of;
 use crate::rules::{
-    Context, Draft, Ingredient, Ingredients, Limits, Memories, Need, Read, RuleError, Stock,
+    AnyRule, Context, Draft, Ingredient, Ingredients, Limits, Memories, Need, Read, RuleError,
+    RuleIdentity, Stock,
 };
-use crate::slots::{SlotKey, SlotReader};
+use crate::semantic::{AnyComponent, Graph};
+use crate::slots::{Environments, SlotKey, SlotReader};
 
 impl Pull<'_> {
     /// What the view may still compile.
@@ -32,9 +34,21 @@ impl Pull<'_> {
         }
     }
 
+    /// What running a rule on a component in an environment needs of the cache.
+    pub(super) fn job(&self, target: Target, rule: u32, env: EnvId) -> Job {
+        let known = &self.cache.rules[rule as usize];
+        let source = match target {
+            Target::View(_) => Source::View,
+            Target::Authored(node) => Source::Authored(node),
+            Target::Emitted(number) => {
+                Source::Emitted(Arc::clone(&self.cache.emitted[number].component))
+            }
+        };
+        Job { source, rule: Arc::clone(&known.rule), identity: known.identity, env }
+    }
+
     /// Runs the rule on a component in an environment, made of the `known` ingredients and of
-    /// others that are there. A failure or a panic becomes the draft of an error plan; an
-    /// interruption becomes nothing.
+    /// others that are there.
     pub(super) fn init(
         &self,
         target: Target,
@@ -44,52 +58,9 @@ impl Pull<'_> {
         known: &[Ingredient],
         limits: &Limits,
     ) -> Result<Run, Interrupted> {
-        limits.check_cancelled()?;
-        let identity = self.cache.rules[rule as usize].identity;
-        let (graph, environments) = (self.graph, &self.environments);
-        let (cache, view) = (&*self.cache, &*self.view);
-        let (pushes, plans) = (Pushes { cache, view }, PlansOfView { cache, view });
-        let node = match target {
-            Target::Authored(node) => Some(node),
-            Target::View(_) | Target::Emitted(_) => None,
-        };
-        let slots = SlotReader::new(&pushes, environments, env);
+        let plans = PlansOfView { cache: self.cache, view: self.view };
         let stock = Stock { plans: &plans, known };
-        let mut cx = Context::new(slots, graph, node, memories, stock, limits, identity.kind);
-        let component = match target {
-            Target::Authored(node) => graph.effective(node),
-            Target::View(_) => Err("a view's root is no component".to_owned()),
-            Target::Emitted(number) => {
-                Ok(cache.emitted_storage.get(cache.emitted[number].component))
-            }
-        };
-        let component = match component {
-            Ok(component) => component,
-            Err(message) => return Ok(Run::from(Outcome::Made(cx.into_error(message)))),
-        };
-        let known = &cache.rules[rule as usize].rule;
-        let outcome = catch_unwind(AssertUnwindSafe(|| known.init(component, &mut cx)));
-        if let Some(why) = cx.interrupted() {
-            return Err(why);
-        }
-        let (triangles, n_parts) = cx.reserved();
-        let outcome = if let Some(need) = cx.need() {
-            let (reads, ingredients, slots) = cx.into_unfinished();
-            Outcome::Needs(need, Unfinished { reads, ingredients, slots })
-        } else if let Some(why) = cx.refused() {
-            Outcome::Made(cx.into_error(why))
-        } else {
-            Outcome::Made(match outcome {
-                Ok(Ok(data)) => cx.into_draft(data),
-                Ok(Err(RuleError::Interrupted(why))) => return Err(why),
-                Ok(Err(RuleError::Failed(message))) => cx.into_error(message),
-                Err(panic) => {
-                    let why = format!("rule {} panicked: {}", identity.name, words_of(&*panic));
-                    cx.into_error(why)
-                }
-            })
-        };
-        Ok(Run { outcome, triangles, n_parts })
+        self.job(target, rule, env).run(self.graph, &self.environments, memories, stock, limits)
     }
 
     /// Runs the rules again for a plan that was found and for all that it was made of, and
@@ -141,6 +112,70 @@ impl Pull<'_> {
             identity.name, identity.kind,
         );
         Ok(())
+    }
+}
+
+/// A rule, and the component that it shall compile where that stands.
+pub(super) struct Job {
+    source: Source,
+    rule: Arc<dyn AnyRule>,
+    identity: RuleIdentity,
+    env: EnvId,
+}
+
+/// Where a component comes from.
+enum Source {
+    View,
+    Authored(NodeId),
+    Emitted(Arc<dyn AnyComponent>),
+}
+
+impl Job {
+    /// Runs the rule. A failure or a panic becomes the draft of an error plan; an interruption
+    /// becomes nothing.
+    pub(super) fn run(
+        &self,
+        graph: &Graph,
+        environments: &Mutex<Environments>,
+        memories: &Memories,
+        stock: Stock<'_>,
+        limits: &Limits,
+    ) -> Result<Run, Interrupted> {
+        limits.check_cancelled()?;
+        let identity = self.identity;
+        let slots = SlotReader::new(environments, self.env);
+        let (component, node) = match &self.source {
+            Source::View => (Err("a view's root is no component".to_owned()), None),
+            Source::Authored(node) => (graph.effective(*node), Some(*node)),
+            Source::Emitted(component) => (Ok(component.as_any()), None),
+        };
+        let mut cx = Context::new(slots, graph, node, memories, stock, limits, identity.kind);
+        let component = match component {
+            Ok(component) => component,
+            Err(message) => return Ok(Run::from(Outcome::Made(cx.into_error(message)))),
+        };
+        let outcome = catch_unwind(AssertUnwindSafe(|| self.rule.init(component, &mut cx)));
+        if let Some(why) = cx.interrupted() {
+            return Err(why);
+        }
+        let (triangles, n_parts) = cx.reserved();
+        let outcome = if let Some(need) = cx.need() {
+            let (reads, ingredients, slots) = cx.into_unfinished();
+            Outcome::Needs(need, Unfinished { reads, ingredients, slots })
+        } else if let Some(why) = cx.refused() {
+            Outcome::Made(cx.into_error(why))
+        } else {
+            Outcome::Made(match outcome {
+                Ok(Ok(data)) => cx.into_draft(data),
+                Ok(Err(RuleError::Interrupted(why))) => return Err(why),
+                Ok(Err(RuleError::Failed(message))) => cx.into_error(message),
+                Err(panic) => {
+                    let why = format!("rule {} panicked: {}", identity.name, words_of(&*panic));
+                    cx.into_error(why)
+                }
+            })
+        };
+        Ok(Run { outcome, triangles, n_parts })
     }
 }
 

@@ -8,7 +8,7 @@ use super::batch::Ahead;
 use super::cache::{Link, NOT_CHECKED, Plan, Site, Target};
 use super::pull::Pull;
 use super::pushes::Pushes;
-use crate::slots::{Environments, SlotKey};
+use crate::slots::SlotKey;
 
 /// A site whose key holds whatever a child of it reads below a push.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -21,10 +21,6 @@ pub(super) struct Covered {
 }
 
 impl Pull<'_> {
-    fn environments(&mut self) -> &mut Environments {
-        self.environments.get_mut().unwrap_or_else(|e| e.into_inner())
-    }
-
     /// Fills one link, unless it is filled already or its site belongs to another environment
     /// by now.
     pub(super) fn fill(&mut self, want: Want, ahead: Option<Ahead>) -> Result<(), Interrupted> {
@@ -83,14 +79,12 @@ impl Pull<'_> {
     /// The environment behind a link.
     pub(super) fn behind(&mut self, Want { env, site, link }: Want) -> EnvId {
         let facts = self.facts(site, link);
-        let Self { cache, view, environments, .. } = self;
-        let environments = environments.get_mut().unwrap_or_else(|e| e.into_inner());
-        environments.enter(&Pushes { cache, view }, env, site, facts)
+        self.environments().enter(env, site, facts)
     }
 
     /// Whether as many emitted components as are allowed lie above a place.
     pub(super) fn is_too_deep(&mut self, env: EnvId) -> bool {
-        let n_emitted = self.environments().above(env).map_or(0, |above| above.n_emitted);
+        let n_emitted = self.above(env).map_or(0, |above| above.n_emitted);
         n_emitted > self.view.budget.emitted_depth
     }
 
@@ -243,7 +237,7 @@ impl Pull<'_> {
     fn grow(&mut self, env: EnvId) {
         let mut at = env;
         let mut expected = None;
-        while let Some(above) = self.environments().above(at) {
+        while let Some(above) = self.above(at) {
             let Link::Site(child, _) = self.cache.sites[above.site.0].links[above.link as usize]
             else {
                 return;
@@ -255,7 +249,7 @@ impl Pull<'_> {
             if self.is_covered(above.site, above.link, child) {
                 return;
             }
-            let pushes = Pushes { cache: self.cache, view: self.view };
+            let pushes = Pushes { cache: self.cache };
             let missing = pushes.missing(above.site, above.link, child);
             if missing.is_empty() {
                 self.covered = Some(self.covering(above.site, above.link, child));
@@ -296,7 +290,7 @@ impl Pull<'_> {
     /// noted before.
     fn note_above(&mut self, env: EnvId, note: impl Fn(&mut Site) -> bool) {
         let mut at = env;
-        while let Some(above) = self.environments().above(at) {
+        while let Some(above) = self.above(at) {
             if note(&mut self.cache.sites[above.site.0]) {
                 return;
             }

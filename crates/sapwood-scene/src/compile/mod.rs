@@ -10,6 +10,7 @@
 mod batch;
 mod cache;
 mod cycles;
+mod emitted;
 mod evict;
 mod find;
 mod ingredients;

@@ -2,11 +2,10 @@
 
 use sapwood_graph::Interrupted;
 
-use super::cache::{Emitted, Plan, PlanLink, Target};
+use super::cache::{Plan, PlanLink, Target};
 use super::pull::Pull;
 use crate::PushMode;
 use crate::rules::{Draft, DraftTarget, Read};
-use crate::semantic::AnyComponent;
 use sapwood_geom::Digest;
 
 impl Pull<'_> {
@@ -38,7 +37,9 @@ impl Pull<'_> {
         let links = tables.links.into_iter().map(|link| {
             let target = match link.target {
                 DraftTarget::Authored(node) => Target::Authored(node),
-                DraftTarget::Emitted(digest, component) => self.identify(digest, component),
+                DraftTarget::Emitted(digest, component) => {
+                    Target::Emitted(self.cache.emitted.identify(digest, component))
+                }
             };
             PlanLink { target, key: link.key, scope: link.scope }
         });
@@ -61,7 +62,7 @@ impl Pull<'_> {
                 .scopes
                 .iter()
                 .any(|scope| matches!(scope.mode, PushMode::Force | PushMode::Protect)),
-            scopes: tables.scopes,
+            scopes: tables.scopes.into_iter().collect(),
             parts: tables.parts,
             reads: reads.into(),
             has_sites: false,
@@ -71,17 +72,5 @@ impl Pull<'_> {
             error,
             ingredients: (ingredients.height > 0).then(|| Box::new(ingredients)),
         })
-    }
-
-    /// The emitted component with this content: the one that is there, or this one.
-    pub(super) fn identify(&mut self, digest: Digest, component: Box<dyn AnyComponent>) -> Target {
-        let kind = component.kind();
-        if let Some(known) = self.cache.emitted_index.get(&(kind, digest)) {
-            return Target::Emitted(*known);
-        }
-        let component = self.cache.emitted_storage.insert_any(component);
-        let number = self.cache.emitted.insert(Emitted { component, digest });
-        self.cache.emitted_index.insert((kind, digest), number);
-        Target::Emitted(number)
     }
 }

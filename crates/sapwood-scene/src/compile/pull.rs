@@ -1,7 +1,7 @@
 //! A pull: the scene's side of the opening that walks see.
 
 use std::any::TypeId;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex, MutexGuard};
 
 use sapwood_geom::{Bound, Digest};
 use sapwood_graph::{
@@ -12,9 +12,8 @@ use super::cache::{Cache, Link, Target};
 use super::link::Covered;
 use super::pushes::Pushes;
 use super::resolve::Standing;
-use crate::rules::NO_SCOPE;
 use crate::semantic::Graph;
-use crate::slots::{Environments, LinkFacts, SlotKey};
+use crate::slots::{Above, Environments, LinkFacts, LinkPushes, NO_SCOPE, SlotKey};
 use crate::view::View;
 use crate::{NodeId, Viewer};
 
@@ -24,8 +23,9 @@ pub(crate) struct Pull<'a> {
     pub(super) cache: &'a mut Cache,
     pub(super) view: &'a mut View,
     pub(super) number: u32,
-    /// Behind a lock, for walks may enter links from several threads.
-    pub(super) environments: Mutex<Environments>,
+    /// Behind a lock, for walks may enter links from several threads, and rules read from it while
+    /// what others made is published.
+    pub(super) environments: Arc<Mutex<Environments>>,
     eye: Option<Eye>,
     /// A site, an environment and a number of the site's key that were found to fit last.
     pub(super) fitting: Option<(SiteId, EnvId, u32)>,
@@ -46,13 +46,13 @@ impl<'a> Pull<'a> {
         cache.resolve_kinds(view, graph);
         let viewer = view.moving.get(&TypeId::of::<Viewer>());
         let eye = viewer.and_then(|viewer| *viewer.typed::<Viewer>());
-        let environments = Environments::new(view.forced());
+        let environments = Arc::new(Mutex::new(Environments::new(&view.root_values)));
         let mut pull = Self {
             graph,
             cache,
             view,
             number,
-            environments: Mutex::new(environments),
+            environments,
             eye,
             fitting: None,
             covered: None,
@@ -88,37 +88,44 @@ impl<'a> Pull<'a> {
         self.cache.counts = counts;
     }
 
+    pub(super) fn environments(&self) -> MutexGuard<'_, Environments> {
+        self.environments.lock().unwrap_or_else(|broken| broken.into_inner())
+    }
+
+    /// How an environment was reached; nothing for the root.
+    pub(super) fn above(&self, env: EnvId) -> Option<Above> {
+        self.environments().above(env)
+    }
+
     /// The digests of slots in an environment.
     pub(super) fn digests<C: FromIterator<(SlotKey, Digest)>>(
         &self,
         env: EnvId,
         slots: impl Iterator<Item = SlotKey>,
     ) -> C {
-        let mut environments = self.environments.lock().unwrap_or_else(|e| e.into_inner());
-        let pushes = Pushes { cache: self.cache, view: self.view };
-        slots.map(|slot| (slot, environments.digest(&pushes, env, slot))).collect()
+        let mut environments = self.environments();
+        slots.map(|slot| (slot, environments.digest(env, slot))).collect()
     }
 
     /// Whether a site's key gives the values that hold in `env`.
     pub(super) fn fits(&self, site: SiteId, env: EnvId) -> bool {
         let key = &self.cache.sites[site.0].key;
-        let mut environments = self.environments.lock().unwrap_or_else(|e| e.into_inner());
-        let pushes = Pushes { cache: self.cache, view: self.view };
-        key.iter().all(|(slot, digest)| environments.digest(&pushes, env, *slot) == *digest)
+        let mut environments = self.environments();
+        key.iter().all(|(slot, digest)| environments.digest(env, *slot) == *digest)
     }
 
     /// Whether the site's own key holds whatever slot of the child's key comes from above.
     pub(super) fn covers(&self, site: SiteId, link: u32, child: SiteId) -> bool {
-        let pushes = Pushes { cache: self.cache, view: self.view };
+        let pushes = Pushes { cache: self.cache };
         pushes.missing(site, link, child).is_empty()
     }
 
     /// Whether a link pushes nothing and the child's key holds nothing but what the site's own
     /// key holds: then the child fits wherever the site does.
-    fn inherits(&self, site: SiteId, link: LinkFacts, child: SiteId) -> bool {
+    fn inherits(&self, site: SiteId, link: &LinkFacts, child: SiteId) -> bool {
         let mut key = self.cache.sites[site.0].key.iter();
         let mut child_key = self.cache.sites[child.0].key.iter();
-        !link.pushes
+        link.pushes.is_none()
             && child_key.all(|(slot, value)| {
                 !slot.descends() && key.any(|above| above.0 == *slot && above.1 == *value)
             })
@@ -129,8 +136,9 @@ impl<'a> Pull<'a> {
         let plan = self.cache.plan_of(site);
         let link = plan.links[number as usize];
         let is_emitted = matches!(link.target, Target::Emitted(_));
-        let pushes = link.scope != NO_SCOPE;
-        LinkFacts { number, is_emitted, pushes, forces: pushes && plan.forces }
+        let pushes = (link.scope != NO_SCOPE).then(|| LinkPushes::new(&plan.scopes, link.scope));
+        let forces = pushes.is_some() && plan.forces;
+        LinkFacts { number, child_key: link.key, is_emitted, pushes, forces }
     }
 
     /// The authored component that a link leads to, if it leads to one.
@@ -190,16 +198,11 @@ impl Supply for Pull<'_> {
                     return (env, Supplied::Previous(*child));
                 }
                 let facts = self.facts(site, link);
-                let inherits = self.inherits(site, facts, *child);
+                let inherits = self.inherits(site, &facts, *child);
                 if inherits && is_settled {
                     return (env, Supplied::Ready(*child));
                 }
-                let child_env = {
-                    let mut environments =
-                        self.environments.lock().unwrap_or_else(|e| e.into_inner());
-                    let pushes = Pushes { cache: self.cache, view: self.view };
-                    environments.enter(&pushes, env, site, facts)
-                };
+                let child_env = self.environments().enter(env, site, facts);
                 if inherits || self.fits(*child, child_env) && self.covers(site, link, *child) {
                     (child_env, Supplied::Ready(*child))
                 } else {
@@ -231,8 +234,7 @@ impl Provide for Pull<'_> {
     fn begin_pass(&mut self) {
         self.fitting = None;
         self.covered = None;
-        let forced = self.view.forced();
-        self.environments.get_mut().unwrap_or_else(|e| e.into_inner()).clear(forced);
+        self.environments().clear();
     }
 
     fn settle(&mut self) {

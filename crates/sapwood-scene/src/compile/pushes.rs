@@ -1,4 +1,4 @@
-//! What links push, and what a place must know for what is read below its links.
+//! What a place must know for what is read below its links.
 
 use sapwood_geom::Digest;
 use sapwood_graph::SiteId;
@@ -6,16 +6,11 @@ use smallvec::SmallVec;
 
 use super::cache::Cache;
 use crate::PushMode;
-use crate::rules::{NO_SCOPE, Scope};
-use crate::slots::{
-    Forced, ForcedDescending, ForcedSlots, LinkPushes, Pushed, SlotKey, SlotValue, forced_against,
-};
-use crate::view::View;
+use crate::slots::{Forced, ForcedDescending, NO_SCOPE, Scope, SlotKey, forced_against};
 
-/// What links push, as environments ask for it.
+/// What links push, as keys depend on it.
 pub(super) struct Pushes<'a> {
     pub(super) cache: &'a Cache,
-    pub(super) view: &'a View,
 }
 
 impl Pushes<'_> {
@@ -119,58 +114,4 @@ fn from(key: &[(SlotKey, Digest)], start: usize, slot: SlotKey) -> usize {
     let is_behind = start > 0 && key[start - 1].0 >= slot;
     let start = if is_behind { 0 } else { start };
     start + key[start..].iter().take_while(|(known, _)| *known < slot).count()
-}
-
-impl LinkPushes for Pushes<'_> {
-    fn push(&self, site: SiteId, link: u32, slot: SlotKey, mut is_forced: bool) -> Pushed<'_> {
-        let scopes: SmallVec<[&Scope; 2]> =
-            self.scopes(site, link).filter(|scope| scope.slot == slot).collect();
-        let mut values: SmallVec<[&SlotValue; 2]> = SmallVec::new();
-        for scope in scopes.into_iter().rev() {
-            let counts = match scope.mode {
-                PushMode::Inherit => false,
-                PushMode::Protect => true,
-                PushMode::Normal | PushMode::Force => !is_forced,
-            };
-            if counts {
-                is_forced = scope.mode == PushMode::Force;
-                if !slot.merges() {
-                    values.clear();
-                }
-                values.push(&scope.value);
-            }
-        }
-        match values.as_slice() {
-            [] => Pushed::Nothing,
-            [value] if !slot.merges() => Pushed::Replaced(value),
-            values => Pushed::Merged(values.iter().copied().cloned().collect()),
-        }
-    }
-
-    fn forced(&self, site: SiteId, link: u32, mut forced: ForcedSlots) -> ForcedSlots {
-        let scopes: SmallVec<[&Scope; 4]> = self.scopes(site, link).collect();
-        for scope in scopes.into_iter().rev() {
-            match (scope.mode, forced.binary_search(&scope.slot)) {
-                (PushMode::Force, Err(place)) => forced.insert(place, scope.slot),
-                (PushMode::Protect, Ok(place)) => {
-                    forced.remove(place);
-                }
-                (PushMode::Force | PushMode::Protect | PushMode::Normal | PushMode::Inherit, _) => {
-                }
-            }
-        }
-        forced
-    }
-
-    fn child_key(&self, site: SiteId, link: u32) -> u64 {
-        self.cache.plan_of(site).links[link as usize].key
-    }
-
-    fn root_value(&self, slot: SlotKey) -> Option<SlotValue> {
-        if let Some(kind) = slot.served() {
-            let rule = self.view.rules.rule(kind)?;
-            return Some(SlotValue::standing_for(rule.identity().digest()));
-        }
-        self.view.held.get(&slot.type_id()).map(|held| held.value.clone())
-    }
 }

@@ -8,7 +8,7 @@ use super::cache::{Cache, KnownRule, Target};
 use super::pull::Pull;
 use crate::column::AnyColumn;
 use crate::rules::AnyRule;
-use crate::semantic::{ComponentRow, Graph, Storage};
+use crate::semantic::Graph;
 use crate::view::View;
 
 impl Cache {
@@ -27,46 +27,41 @@ impl Cache {
 
     /// Finds the rule of every kind that has been met.
     pub(crate) fn resolve_kinds(&mut self, view: &mut View, graph: &Graph) {
+        let values = Arc::clone(&view.root_values);
         while view.authored_rules.len() < graph.storage.n_kinds() {
             let kind = graph.storage.kind_numbered(view.authored_rules.len() as u32);
-            let number = view.rules.rule(kind).map(|rule| self.rule_number(rule));
+            let number = values.rules.rule(kind).map(|rule| self.rule_number(rule));
             view.authored_rules.push(number);
         }
-        while view.emitted_rules.len() < self.emitted_storage.n_kinds() {
-            let kind = self.emitted_storage.kind_numbered(view.emitted_rules.len() as u32);
-            let number = view.rules.rule(kind).map(|rule| self.rule_number(rule));
+        while let Some(kind) = self.emitted.kinds().get(view.emitted_rules.len()) {
+            let number = values.rules.rule(*kind).map(|rule| self.rule_number(rule));
             view.emitted_rules.push(number);
         }
     }
 }
 
 impl Pull<'_> {
-    /// Where a component lies, and in which storage; nothing when it was removed.
-    fn row(&self, target: Target) -> Option<(&Storage, ComponentRow)> {
-        match target {
-            Target::View(_) => None,
-            Target::Authored(node) => {
-                Some((&self.graph.storage, self.graph.node(node).ok()?.component))
-            }
-            Target::Emitted(number) => {
-                Some((&self.cache.emitted_storage, self.cache.emitted[number].component))
-            }
-        }
-    }
-
     /// The kind of a component; nothing when it was removed.
     pub(super) fn target_kind(&self, target: Target) -> Option<Kind> {
-        self.row(target).map(|(storage, row)| storage.kind(row))
+        match target {
+            Target::View(_) => None,
+            Target::Authored(node) => self.graph.kind(node).ok(),
+            Target::Emitted(number) => Some(self.cache.emitted[number].kind.kind),
+        }
     }
 
     /// The number of the rule that serves a component, where one does.
     pub(super) fn rule_for(&self, target: Target) -> Option<u32> {
-        let (_, row) = self.row(target)?;
-        let rules = match target {
-            Target::Authored(_) => &self.view.authored_rules,
-            Target::View(_) | Target::Emitted(_) => &self.view.emitted_rules,
+        let (rules, kind) = match target {
+            Target::View(_) => return None,
+            Target::Authored(node) => {
+                (&self.view.authored_rules, self.graph.node(node).ok()?.component.kind)
+            }
+            Target::Emitted(number) => {
+                (&self.view.emitted_rules, self.cache.emitted[number].kind.number)
+            }
         };
-        rules.get(row.kind as usize).copied().flatten()
+        rules.get(kind as usize).copied().flatten()
     }
 
     /// Whether a site's plan is the one that its component and the view's rules ask for, its

@@ -151,7 +151,7 @@ impl Pull<'_> {
         if row.key.is_empty() {
             return;
         }
-        let pushes = Pushes { cache: self.cache, view: self.view };
+        let pushes = Pushes { cache: self.cache };
         let mut own = self.cache.plans[row.plan].slots.iter().peekable();
         let mut unread: SmallVec<[SlotKey; 16]> = SmallVec::new();
         // Both are sorted.

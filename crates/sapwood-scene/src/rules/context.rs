@@ -17,11 +17,10 @@ use super::{
     forced_digest,
 };
 use crate::semantic::{AnyComponent, Graph};
-use crate::slots::{Memory, PANICKED, ProjectionKey, SlotKey, SlotReader, SlotValue};
+use crate::slots::{
+    Memory, NO_SCOPE, PANICKED, ProjectionKey, Scope, SlotKey, SlotReader, SlotValue,
+};
 use crate::{Component, Held, NodeId, Projection, PushMode, Slot};
-
-/// "Below no push" in links and scopes.
-pub(crate) const NO_SCOPE: u32 = u32::MAX;
 
 /// What a rule reads from and builds with.
 ///
@@ -79,23 +78,7 @@ pub(crate) struct DraftLink {
 
 pub(crate) enum DraftTarget {
     Authored(NodeId),
-    Emitted(Digest, Box<dyn AnyComponent>),
-}
-
-/// One push, and the next one outside it.
-pub(crate) struct Scope {
-    pub(crate) outer: u32,
-    pub(crate) slot: SlotKey,
-    pub(crate) mode: PushMode,
-    pub(crate) value: SlotValue,
-}
-
-impl Scope {
-    /// The scopes from the innermost, `scope`, outwards.
-    pub(crate) fn outwards(scopes: &[Scope], scope: u32) -> impl Iterator<Item = &Scope> {
-        let first = scopes.get(scope as usize);
-        std::iter::successors(first, |scope| scopes.get(scope.outer as usize))
-    }
+    Emitted(Digest, Arc<dyn AnyComponent>),
 }
 
 /// What `init` made, before it becomes a plan.
@@ -306,7 +289,7 @@ impl<'a> Context<'a> {
             return;
         }
         self.fragment.deferred(Kind::of::<C>(), foreseen);
-        let target = DraftTarget::Emitted(Digest::of(&component), Box::new(component));
+        let target = DraftTarget::Emitted(Digest::of(&component), Arc::new(component));
         self.draft.links.push(DraftLink { target, key, scope: self.scope });
     }
 

@@ -4,6 +4,7 @@
 //! How they come to be is left to the compiler; here stands what a context needs of it.
 
 use std::any::Any;
+use std::sync::Arc;
 
 use sapwood_geom::Digest;
 use sapwood_graph::{Diagnostic, Kind};
@@ -46,7 +47,7 @@ impl Ingredients {
 pub(crate) struct Need {
     pub(crate) kind: Kind,
     pub(crate) content: Digest,
-    pub(crate) component: Box<dyn AnyComponent>,
+    pub(crate) component: Arc<dyn AnyComponent>,
 }
 
 /// The plans that are there, as a context sees them.

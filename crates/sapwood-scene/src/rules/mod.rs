@@ -8,7 +8,7 @@ mod rule;
 mod rule_set;
 
 pub use context::Context;
-pub(crate) use context::{Draft, DraftTables, DraftTarget, NO_SCOPE, Scope, Stock, no_data};
+pub(crate) use context::{Draft, DraftTables, DraftTarget, Stock, no_data};
 pub(crate) use ingredients::{
     CompiledPlan, CompiledPlans, Found, Ingredient, Ingredients, MOST_ABOVE_EACH_OTHER,
     MOST_INGREDIENTS, Need, too_high, too_many,

@@ -1,12 +1,14 @@
 //! Opening views, and setting what they look with.
 
+use std::sync::Arc;
+
 use sapwood_geom::{FixedMap, fixed_state};
 use sapwood_graph::SiteId;
 
 use super::Scene;
 use crate::compile::{Link, NOT_CHECKED};
 use crate::slots::{SlotKey, SlotValue};
-use crate::view::{RootValue, View};
+use crate::view::{RootValue, RootValues, View};
 use crate::{
     Budget, CancelToken, EditError, Held, Moving, NodeId, RuleSet, Slot, ViewError, ViewId,
 };
@@ -26,15 +28,16 @@ impl Scene {
         let kind = self.graph.kind(root)?;
         self.n_opened += 1;
         let generation = self.n_opened;
+        let held = FixedMap::with_hasher(fixed_state());
+        let root_values = Arc::new(RootValues { rules: rules.clone(), held });
         let number = self.views.insert(View {
             generation,
             root,
-            rules: rules.clone(),
+            root_values,
             authored_rules: Vec::new(),
             emitted_rules: Vec::new(),
             rules_since: 0,
             values_since: 0,
-            held: FixedMap::with_hasher(fixed_state()),
             moving: FixedMap::with_hasher(fixed_state()),
             moving_defaults: FixedMap::with_hasher(fixed_state()).into(),
             tick: 0,
@@ -71,7 +74,7 @@ impl Scene {
     pub fn set_rules(&mut self, view: ViewId, rules: &RuleSet) -> Result<(), ViewError> {
         let revision = self.graph.next_revision();
         let view = self.view_mut(view)?;
-        view.rules = rules.clone();
+        Arc::make_mut(&mut view.root_values).rules = rules.clone();
         view.authored_rules.clear();
         view.emitted_rules.clear();
         view.rules_since = revision;
@@ -133,13 +136,14 @@ impl Scene {
         let revision = self.graph.next_revision();
         let view = self.view_mut(view)?;
         let slot = SlotKey::of::<S>();
+        let held = &mut Arc::make_mut(&mut view.root_values).held;
         match new {
             Some((value, is_forced)) => {
                 let value = SlotValue::new::<S>(value);
-                view.held.insert(slot.type_id(), RootValue { slot, value, is_forced });
+                held.insert(slot.type_id(), RootValue { slot, value, is_forced });
             }
             None => {
-                view.held.remove(&slot.type_id());
+                held.remove(&slot.type_id());
             }
         }
         view.values_since = revision;

@@ -1,4 +1,4 @@
-//! Where components lie: one typed column for each kind, for authored and emitted ones alike.
+//! Where authored components lie: one typed column for each kind.
 
 use std::any::{Any, TypeId};
 
@@ -38,13 +38,11 @@ fn answer<C: Component>(component: &(dyn Any + Send + Sync), question: &mut Ques
     }
 }
 
-/// A component on its way into the storage, its type forgotten.
+/// A component whose type is forgotten.
 pub(crate) trait AnyComponent: Any + Send + Sync {
     fn kind(&self) -> Kind;
-    fn children(&self) -> Children;
-    fn how_to_answer(&self) -> Answer;
-    fn new_column(&self) -> Box<dyn AnyColumn>;
-    fn into_any(self: Box<Self>) -> Box<dyn Any>;
+    /// The component itself, for whoever knows its type.
+    fn as_any(&self) -> &(dyn Any + Send + Sync);
 }
 
 impl<C: Component> AnyComponent for C {
@@ -52,19 +50,7 @@ impl<C: Component> AnyComponent for C {
         Kind::of::<C>()
     }
 
-    fn children(&self) -> Children {
-        C::CHILDREN
-    }
-
-    fn how_to_answer(&self) -> Answer {
-        answer::<C>
-    }
-
-    fn new_column(&self) -> Box<dyn AnyColumn> {
-        Box::new(Column::<C>::new())
-    }
-
-    fn into_any(self: Box<Self>) -> Box<dyn Any> {
+    fn as_any(&self) -> &(dyn Any + Send + Sync) {
         self
     }
 }
@@ -87,18 +73,6 @@ impl Storage {
     pub(crate) fn insert<C: Component>(&mut self, component: C) -> ComponentRow {
         let kind = self.kind_number::<C>();
         let row = self.column_mut::<C>(kind).insert(component);
-        ComponentRow { kind, row }
-    }
-
-    pub(crate) fn insert_any(&mut self, component: Box<dyn AnyComponent>) -> ComponentRow {
-        let kinds = &mut self.kinds;
-        let kind = *self.by_type.entry((*component).type_id()).or_insert_with(|| {
-            let (kind, children) = ((*component).kind(), (*component).children());
-            let (answer, rows) = ((*component).how_to_answer(), (*component).new_column());
-            kinds.push(KindColumn { kind, children, answer, rows });
-            kinds.len() as u32 - 1
-        });
-        let row = self.kinds[kind as usize].rows.insert_boxed(component.into_any());
         ComponentRow { kind, row }
     }
 

@@ -5,11 +5,10 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use sapwood_graph::EnvId;
 use smallvec::SmallVec;
 
-use super::{Environments, Held, LinkPushes, Slot, SlotKey, SlotValue, forced_against};
+use super::{Environments, Held, Slot, SlotKey, SlotValue, forced_against};
 
 /// Reads held slots in one environment.
 pub struct SlotReader<'a> {
-    pushes: &'a dyn LinkPushes,
     /// Behind a lock, for rules run side by side.
     environments: &'a Mutex<Environments>,
     env: EnvId,
@@ -18,12 +17,8 @@ pub struct SlotReader<'a> {
 }
 
 impl<'a> SlotReader<'a> {
-    pub(crate) fn new(
-        pushes: &'a dyn LinkPushes,
-        environments: &'a Mutex<Environments>,
-        env: EnvId,
-    ) -> Self {
-        Self { pushes, environments, env, slots: SmallVec::new() }
+    pub(crate) fn new(environments: &'a Mutex<Environments>, env: EnvId) -> Self {
+        Self { environments, env, slots: SmallVec::new() }
     }
 
     /// The value of a held slot.
@@ -50,7 +45,7 @@ impl<'a> SlotReader<'a> {
         if let Err(place) = self.slots.binary_search(&slot) {
             self.slots.insert(place, slot);
         }
-        self.known().value(self.pushes, self.env, slot)
+        self.known().value(self.env, slot)
     }
 
     fn known(&self) -> MutexGuard<'a, Environments> {
@@ -74,7 +69,7 @@ impl<'a> SlotReader<'a> {
         }
         let mut known = self.known();
         let is_forced = known.is_forced(self.env, slot);
-        is_forced.then(|| known.value(self.pushes, self.env, slot))
+        is_forced.then(|| known.value(self.env, slot))
     }
 
     /// The slots that were read, as plans keep them.
@@ -84,6 +79,6 @@ impl<'a> SlotReader<'a> {
 
     /// A reader at the same place that notes its own slots.
     pub(crate) fn fork(&mut self) -> SlotReader<'_> {
-        SlotReader::new(self.pushes, self.environments, self.env)
+        SlotReader::new(self.environments, self.env)
     }
 }

@@ -1,6 +1,7 @@
 //! Ingredients as a rule asks for them: found if they are there, else noted as needed.
 
 use std::any::Any;
+use std::sync::Arc;
 
 use sapwood_geom::Digest;
 use sapwood_graph::Kind;
@@ -67,7 +68,7 @@ impl<'a> Context<'a> {
                 return Err(RuleError::Failed(why));
             }
             Found::Missing => {
-                self.need = Some(Need { kind, content, component: Box::new(component) });
+                self.need = Some(Need { kind, content, component: Arc::new(component) });
                 return Err(RuleError::Failed(format!("ingredient {kind}: not compiled yet")));
             }
             Found::Plan(plan) => plan,
