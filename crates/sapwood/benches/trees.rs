@@ -2,7 +2,7 @@
 //! files, and memory.
 //!
 //! Each case is repeated, the cases that are compared by turns, and the least is printed:
-//! whatever else the machine does can only add to it.
+//! whatever else the machine does can only add to it. The allocator is that of the `sapwood` program.
 //! `cargo bench -p sapwood --bench trees [growth|cores|forest|file|memory]`.
 
 mod clock;
@@ -12,6 +12,7 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 use clock::Moment;
+use mimalloc::MiMalloc;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use sapwood::geom::StreamPath;
 use sapwood::graph::DrawList;
@@ -20,6 +21,9 @@ use sapwood::rules::weber_penn::{
     leaves, surface, trunks,
 };
 use sapwood::scene::{Group, Scene, Transform, ViewId};
+
+#[global_allocator]
+static ALLOCATOR: MiMalloc = MiMalloc;
 
 /// How often each case is repeated.
 const REPEATED: usize = 15;
