@@ -50,9 +50,9 @@ impl Rule for DyeRule {
 
 /// A box as large as its dye is dark. It reads nothing but that, and may show the dye too.
 #[derive(Debug, Clone)]
-struct Cloth {
-    n: u32,
-    shows_dye: bool,
+pub(super) struct Cloth {
+    pub(super) n: u32,
+    pub(super) shows_dye: bool,
 }
 content!(Cloth { n, shows_dye });
 impl Named for Cloth {
@@ -80,7 +80,7 @@ fn cloth(n: u32) -> Cloth {
     Cloth { n, shows_dye: false }
 }
 
-fn dyed_by(factor: f32) -> RuleSet {
+pub(super) fn dyed_by(factor: f32) -> RuleSet {
     RuleSet::new().with(DyeRule { factor }).with(ClothRule).with(TowerRule).over(&rules())
 }
 

@@ -16,6 +16,7 @@ mod pruning;
 mod random_scripts;
 mod sharing;
 mod taken_back;
+mod threads;
 mod unruly;
 mod verify;
 mod views;
