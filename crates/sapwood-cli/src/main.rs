@@ -22,13 +22,7 @@ use clap::Parser as _;
 
 use arguments::{Arguments, Command};
 use failure::Failure;
-use mimalloc::MiMalloc;
 use watch::Watch;
-
-/// Rules that run side by side take memory all the time, for which threads wait for each other in
-/// the allocators of most systems.
-#[global_allocator]
-static ALLOCATOR: MiMalloc = MiMalloc;
 
 fn main() -> ExitCode {
     let arguments = match Arguments::try_parse() {
