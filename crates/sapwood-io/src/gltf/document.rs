@@ -47,10 +47,13 @@ impl Document {
             .map(|body| animation.and_then(|animation| Skeleton::of(body, animation)))
             .collect();
         let times = animation.map_or_else(Vec::new, SwayAnimation::times);
-        let solid = |(body, parts): (&Body, &Vec<Part<'_>>)| {
-            if body.is_solid { Manifold::of(parts) } else { None }
+        // What joints bend is a solid only at rest, and its vertices need their joints.
+        let solid = |((body, parts), skeleton): ((&Body, &Vec<Part<'_>>), &Option<_>)| {
+            let is_still = body.is_solid && skeleton.is_none();
+            if is_still { Manifold::of(parts) } else { None }
         };
-        let manifolds: Vec<_> = list.bodies.iter().zip(&bodies).map(solid).collect();
+        let manifolds: Vec<_> =
+            list.bodies.iter().zip(&bodies).zip(&skeletons).map(solid).collect();
         // Refused by the sizes alone before any geometry is copied; the JSON is added later.
         let length = |(parts, manifold): (&Vec<Part<'_>>, &Option<Manifold>)| match manifold {
             Some(manifold) => manifold.byte_length(),

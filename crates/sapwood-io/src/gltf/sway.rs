@@ -297,6 +297,32 @@ mod tests {
     }
 
     #[test]
+    fn a_solid_that_sways_keeps_its_joints() {
+        let mut list = reeds();
+        let body = &mut list.bodies[0];
+        body.is_solid = true;
+        // A tetrahedron that is flat at rest.
+        let indices = vec![0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3];
+        body.rows[1].mesh = SharedMesh::new(Mesh { indices, ..strip(2) });
+        body.rows[1].instances.take();
+        body.rows[1].follows.as_mut().unwrap().numbers = Shared::new(vec![0, 0, 1, 2]);
+        body.rows = vec![body.rows.swap_remove(1)];
+        let of = |bytes: &[u8]| {
+            let document = gltf::Gltf::from_slice(bytes).unwrap().document;
+            let mesh = document.meshes().next().unwrap();
+            let swaying =
+                mesh.primitives().all(|part| part.get(&gltf::Semantic::Joints(0)).is_some());
+            let is_solid =
+                document.extensions_used().any(|used| used == super::super::manifold::NAME);
+            (is_solid, swaying, document.skins().count() > 0)
+        };
+        assert_eq!(of(&crate::glb_bytes(&list).unwrap()), (true, false, false));
+        let animation = SwayAnimation::new(Wind::new(6.0, 3.0), 4.0);
+        let (bytes, _) = swaying_glb_bytes(&list, &animation).unwrap();
+        assert_eq!(of(&bytes), (false, true, true));
+    }
+
+    #[test]
     fn a_file_plays_what_the_rig_does_and_begins_again_where_it_ends() {
         let list = reeds();
         let animation = SwayAnimation::new(Wind::new(6.0, 3.0), 4.0);
