@@ -28,9 +28,12 @@ pub(super) struct Manifold {
 }
 
 impl Manifold {
-    /// The surface of a body's parts; nothing where they are not closed: where an edge has not
-    /// exactly two triangles, of opposite directions.
+    /// The surface of a body's parts; nothing where there are none, or where they are not closed:
+    /// where an edge has not exactly two triangles, of opposite directions.
     pub(super) fn of(parts: &[Part<'_>]) -> Option<Self> {
+        if parts.is_empty() {
+            return None;
+        }
         let sizes = parts.iter().map(Part::size);
         let (n_vertices, n_indices) =
             sizes.fold((0, 0), |all, (vertices, indices)| (all.0 + vertices, all.1 + indices));
@@ -285,6 +288,18 @@ mod tests {
             let document = Document::of(&list).unwrap();
             assert!(document.root.extensions_used.is_empty());
             assert!(document.root.meshes[0].extensions.is_none());
+        }
+    }
+
+    #[test]
+    fn a_solid_of_no_triangles_has_no_mesh() {
+        for mut list in [list(true, 0), list(true, ball().n_triangles() / 2)] {
+            if list.bodies[0].rows.iter().all(|row| !row.mesh.is_empty()) {
+                list.bodies[0].rows.clear();
+            }
+            let document = Document::of(&list).unwrap();
+            assert!(document.root.meshes.is_empty() && document.root.accessors.is_empty());
+            assert!(document.root.extensions_used.is_empty());
         }
     }
 
