@@ -3,16 +3,17 @@
 //! The crate `tobj` reads the text. It tells of no error where it stands, takes lines for faces and
 //! believes what indices say; so each line is looked at before, and what is understood is handed on.
 
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::{self, BufRead, Read};
 use std::path::Path;
 use std::sync::Arc;
 
-use sapwood_geom::Mesh;
 use sapwood_geom::glam::{Affine3, Vec2, Vec3};
+use sapwood_geom::{FixedSet, Mesh, fixed_state};
 use sapwood_graph::Material;
 
-use super::read_materials::{Library, Named};
+use super::read_materials::Library;
 use crate::gltf::flat;
 use crate::spelling::shortened_to;
 use crate::{Error, ErrorKind, Place, ReadLimits};
@@ -25,7 +26,7 @@ pub(crate) struct ObjModel {
     pub(crate) materials: Vec<Option<Arc<Material>>>,
 }
 
-/// Reads the faces of the OBJ file at `path`, with the materials that it names, from its folder or
+/// Reads the faces of the OBJ file at `path`, with the materials that they have, from its folder or
 /// below. Polygons become fans of triangles; what has no normals has those of flat triangles; lines,
 /// points, curves and colours of vertices are left out.
 ///
@@ -35,13 +36,15 @@ pub(crate) struct ObjModel {
 pub(crate) fn read_obj(path: &Path, limits: &ReadLimits) -> Result<ObjModel, Error> {
     let most = limits.text_bytes.min(limits.bytes);
     let mut bytes = Vec::new();
-    File::open(path)
-        .and_then(|file| file.take(most.saturating_add(1)).read_to_end(&mut bytes))
-        .map_err(|cause| Error::read(path, cause))?;
+    let cannot = |cause| Error::read(path, cause);
+    let file = File::open(path).map_err(cannot)?;
+    let length = file.metadata().map_err(cannot)?.len();
+    file.take(most.saturating_add(1)).read_to_end(&mut bytes).map_err(cannot)?;
     let in_file = |error: Error| error.in_file(&path.display().to_string());
     if bytes.len() as u64 > most {
-        let kind = ErrorKind::TooLong { bytes: bytes.len() as u64, limit: most };
-        return Err(in_file(Error::new(kind)));
+        // No more than one byte too many was read.
+        let bytes = length.max(bytes.len() as u64);
+        return Err(in_file(Error::new(ErrorKind::TooLong { bytes, limit: most })));
     }
     let library = Library::beside(path, bytes.len() as u64, limits);
     // Names may be in any encoding; what else is understood is ASCII.
@@ -50,10 +53,10 @@ pub(crate) fn read_obj(path: &Path, limits: &ReadLimits) -> Result<ObjModel, Err
 
 fn read(text: &str, mut library: Library, limits: &ReadLimits) -> Result<ObjModel, Error> {
     let understood = Understood::of(text, &mut library, limits)?;
-    let named = library.named();
     let known = |_: &Path| {
-        let materials = named.iter().map(Named::as_tobj).collect();
-        let numbers = named.iter().enumerate().map(|(number, known)| (known.name.clone(), number));
+        // Their names are all that is asked for.
+        let materials = vec![tobj::Material::default(); library.names().len()];
+        let numbers = library.names().map(|(name, number)| (name.to_owned(), number));
         Ok((materials, numbers.collect()))
     };
     let mut lines = Lines { rest: understood.text.as_bytes(), n: 0 };
@@ -67,11 +70,13 @@ fn read(text: &str, mut library: Library, limits: &ReadLimits) -> Result<ObjMode
     let (models, _) = loaded
         .map_err(|error| syntax(lines.n, format!("{error} (accepted: numbers between spaces)")))?;
     let mut all = ObjModel { mesh: Mesh::default(), materials: Vec::new() };
+    let mut used = FixedSet::with_hasher(fixed_state());
     for tobj::Model { mesh, .. } in models {
-        let material = mesh.material_id.and_then(|number| named.get(number));
-        let material = material.map(|named| Arc::clone(&named.material));
-        if !all.materials.contains(&material) {
-            all.materials.push(material);
+        if !mesh.indices.is_empty() && used.insert(mesh.material_id) {
+            all.materials.push(match mesh.material_id {
+                Some(number) => library.material(number)?,
+                None => None,
+            });
         }
         all.mesh.append(&mesh_of(&mesh), &Affine3::IDENTITY);
     }
@@ -96,21 +101,26 @@ fn mesh_of(read: &tobj::Mesh) -> Mesh {
     Mesh { positions, normals: units, uvs, indices: read.indices.clone() }
 }
 
+/// What vertices, texture coordinates and normals are called.
+const WHAT: [&str; 3] = ["positions", "texture coordinates", "normals"];
+
 /// The lines of a file that are understood, each at its place; the others are empty.
 struct Understood {
     text: String,
     /// How many positions, texture coordinates and normals there are so far.
     n: [u64; 3],
     n_triangles: u64,
+    /// Whether the place is named where all materials are.
+    has_library: bool,
 }
 
 impl Understood {
     fn of(text: &str, library: &mut Library, limits: &ReadLimits) -> Result<Self, Error> {
         let room = String::with_capacity(text.len());
-        let mut understood = Self { text: room, n: [0; 3], n_triangles: 0 };
-        for (number, line) in (1..).zip(text.lines()) {
-            understood.line(number, line, library, limits)?;
-            understood.text.push('\n');
+        let mut understood = Self { text: room, n: [0; 3], n_triangles: 0, has_library: false };
+        for (number, n_lines, line) in whole_lines(text) {
+            understood.line(number, &line, library, limits)?;
+            understood.text.extend(std::iter::repeat_n('\n', n_lines));
         }
         Ok(understood)
     }
@@ -122,7 +132,7 @@ impl Understood {
         library: &mut Library,
         limits: &ReadLimits,
     ) -> Result<(), Error> {
-        let mut words = line.split_whitespace();
+        let mut words = line.split_whitespace().take_while(|word| !begins_comment(word));
         let over = |found, what, limit| {
             let at = "the file".to_owned();
             Err(at_line(number, ErrorKind::OverLimit { at, found, what, limit }))
@@ -132,7 +142,7 @@ impl Understood {
                 let which = ["v", "vt", "vn"].iter().position(|name| *name == first).unwrap_or(0);
                 self.n[which] += 1;
                 if self.n[which] > limits.vertices {
-                    return over(self.n[which], "vertices", limits.vertices);
+                    return over(self.n[which], WHAT[which], limits.vertices);
                 }
                 // A weight or a colour may stand behind the coordinates.
                 self.text.push_str(first);
@@ -140,8 +150,10 @@ impl Understood {
             }
             Some("f") => {
                 let mut n_corners = 0;
+                self.text.push('f');
                 for corner in words {
                     self.look_at_corner(number, corner)?;
+                    self.text.extend([" ", corner]);
                     n_corners += 1;
                 }
                 if n_corners < 3 {
@@ -152,20 +164,24 @@ impl Understood {
                 if self.n_triangles > limits.triangles {
                     return over(self.n_triangles, "triangles", limits.triangles);
                 }
-                self.text.push_str(line);
             }
             Some("mtllib") => {
-                let name = line.trim_start().trim_start_matches("mtllib").trim();
-                let found = library.read(name);
+                let found = library.read(behind("mtllib", line), words, number);
                 found.map_err(|error| error.at(Place { line: number, column: 1 }))?;
                 // All materials are there from the first name on.
-                if library.n_read() == 1 {
+                if !self.has_library {
                     self.text.push_str("mtllib m");
+                    self.has_library = true;
                 }
             }
-            Some("usemtl") if words.next().is_some() => {
-                let name = line.trim_start().trim_start_matches("usemtl").trim();
-                self.text.extend(["usemtl ", name]);
+            Some("usemtl") => {
+                let mut name = behind("usemtl", line);
+                if !library.knows(name) {
+                    name = without_comment(name);
+                }
+                if !name.is_empty() {
+                    self.text.extend(["usemtl ", name]);
+                }
             }
             Some("o" | "g") => self.text.push('o'),
             _ => {}
@@ -175,7 +191,6 @@ impl Understood {
 
     /// Refuses what is no corner of a face among what is there so far.
     fn look_at_corner(&self, line: usize, corner: &str) -> Result<(), Error> {
-        const WHAT: [&str; 3] = ["positions", "texture coordinates", "normals"];
         let wrong = |why: String| {
             let corner = shortened_to(40, corner);
             Err(syntax(line, format!("the corner '{corner}' {why}")))
@@ -202,6 +217,51 @@ impl Understood {
         }
         Ok(())
     }
+}
+
+/// The lines of a text, each with its number and how many it takes: where one ends in a backslash,
+/// the next goes on with it.
+fn whole_lines(text: &str) -> impl Iterator<Item = (usize, usize, Cow<'_, str>)> {
+    let (mut lines, mut n) = (text.lines(), 0);
+    std::iter::from_fn(move || {
+        let first = lines.next()?;
+        n += 1;
+        let number = n;
+        let Some(begun) = continued(first) else { return Some((number, 1, Cow::Borrowed(first))) };
+        let mut whole = begun.to_owned();
+        for next in lines.by_ref() {
+            n += 1;
+            let begun = continued(next);
+            whole.extend([" ", begun.unwrap_or(next)]);
+            if begun.is_none() {
+                break;
+            }
+        }
+        Some((number, n - number + 1, Cow::Owned(whole)))
+    })
+}
+
+/// What a line begins that the next goes on with. Comments end with their line.
+fn continued(line: &str) -> Option<&str> {
+    let begun = line.trim_end().strip_suffix('\\')?;
+    (!begun.split_whitespace().any(begins_comment)).then_some(begun)
+}
+
+fn begins_comment(word: &str) -> bool {
+    word.starts_with('#')
+}
+
+/// What stands behind the first word of a line.
+fn behind<'a>(first: &str, line: &'a str) -> &'a str {
+    let line = line.trim();
+    line.strip_prefix(first).unwrap_or(line).trim_start()
+}
+
+/// A name without the comment behind it.
+fn without_comment(name: &str) -> &str {
+    let mut marks = name.match_indices('#').map(|(at, _)| name.split_at(at).0);
+    let comment = marks.find(|before| before.is_empty() || before.ends_with(char::is_whitespace));
+    comment.unwrap_or(name).trim_end()
 }
 
 fn at_line(line: usize, kind: ErrorKind) -> Error {
@@ -274,6 +334,71 @@ mod tests {
     }
 
     #[test]
+    fn comments_and_continued_lines_are_understood() {
+        let of = |rest: &str| model(&format!("{SQUARE}{rest}")).unwrap().mesh;
+        let plain = of("f 1 2 3 4\n");
+        for rest in [
+            "f 1 2 3 4 # tip\n",
+            "f 1 2 3 4 #5 6\\\n",
+            "f 1 2 \\\n3 4\n",
+            "f\\ \r\n1 2 3\\\r\n\\\r\n4\r\n# models\\leaf\\\r\n",
+            "# models\\\nf 1 2 3 4 \\",
+            "g a \\\nb # c\nusemtl # none\nf 1 2 3 4",
+        ] {
+            assert_eq!(of(rest), plain, "{rest}");
+        }
+    }
+
+    #[test]
+    fn materials_are_made_as_faces_use_them() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text);
+        std::fs::create_dir(folder.path().join("textures")).unwrap();
+        let image = sapwood_geom::Image::from_fn(2, 2, |_, _| [1, 2, 3, 255]);
+        crate::write_png(folder.path().join("textures/leaf%201.png"), &image).unwrap();
+        let bark = "newmtl bark\nmap_Kd bark.png\nnewmtl red\nKd 1 0 0\n";
+        write("a.mtl", bark).unwrap();
+        write("b%20b.mtl", "newmtl leaf\nmap_Kd -clamp on textures\\leaf%201.png\n").unwrap();
+        write("c c.mtl", "newmtl leaf #2\nKd 0 1 0\n").unwrap();
+        let read = |rest: &str| {
+            write("leaf.obj", &format!("{SQUARE}{rest}")).unwrap();
+            // Room for one image of four pixels.
+            let limits = ReadLimits { pixels: 4, ..ReadLimits::default() };
+            let model = read_obj(&folder.path().join("leaf.obj"), &limits);
+            let names = |model: ObjModel| -> Vec<String> {
+                let name = |material: Option<Arc<Material>>| {
+                    material.map_or("none".to_owned(), |material| {
+                        let has_image = material.images.base_color.is_some();
+                        format!("{}{}", material.name, if has_image { " painted" } else { "" })
+                    })
+                };
+                model.materials.into_iter().map(name).collect()
+            };
+            model.map(names).map_err(|error| error.to_string())
+        };
+        let (leaf, two) = ("usemtl leaf\nf 1 2 3\n", "mtllib a.mtl b%20b.mtl\n");
+        let painted = ["leaf painted".to_owned()];
+        // The bark's image is not there, and no face has it, even where it is named last.
+        assert_eq!(read(&format!("{two}{leaf}")).unwrap(), painted);
+        assert_eq!(read(&format!("{two}{leaf}usemtl bark\n")).unwrap(), painted);
+        assert_eq!(read(&format!("{two}usemtl leaf # tip\nf 1 2 3")).unwrap(), painted);
+        // Each once, and its image counted once.
+        let again = format!("{two}{leaf}usemtl red\nf 1 2 3\n{leaf}usemtl none\nf 1 3 4\n");
+        assert_eq!(read(&again).unwrap(), ["leaf painted", "red", "none"]);
+        let spaces = "mtllib c c.mtl\nmtllib b%20b.mtl\nusemtl leaf #2\nf 1 2 3\n";
+        assert_eq!(read(spaces).unwrap(), ["leaf #2"]);
+        assert_eq!(read(&format!("{spaces}{leaf}")).unwrap(), ["leaf #2", "leaf painted"]);
+        for (rest, expected) in [
+            (format!("\n{two}usemtl bark\nf 1 2 3\n"), "leaf.obj:8:1: map_Kd: \"bark.png\" cannot"),
+            ("mtllib a.mtl no.mtl".to_owned(), "leaf.obj:7:1: mtllib: \"no.mtl\" cannot be read"),
+            ("mtllib data:,newmtl".to_owned(), "has characters that no path should have"),
+        ] {
+            let told = read(&rest).unwrap_err();
+            assert!(told.contains(expected), "{rest}: {told}");
+        }
+    }
+
+    #[test]
     fn errors_tell_the_line() {
         let told = |rest: &str| model(&format!("{SQUARE}{rest}")).err().unwrap_or_default();
         for (rest, expected) in [
@@ -292,7 +417,15 @@ mod tests {
             ("v 1 2\n", "leaf.obj:7:1: not valid OBJ: position parse error"),
             ("\n\nvt x 1\nf 1 2 3", "leaf.obj:9:1: not valid OBJ: texcoord parse error"),
             ("f 1 2 3 4 1 2 3 4\n", "leaf.obj:7:1: the file: 6 triangles; at most 4 are read"),
-            ("v 1 1 1\n".repeat(5).as_str(), "leaf.obj:11:1: the file: 9 vertices; at most 8"),
+            ("v 1 1 1\n".repeat(5).as_str(), "leaf.obj:11:1: the file: 9 positions; at most 8"),
+            ("vt 1 1\n".repeat(9).as_str(), "15:1: the file: 9 texture coordinates; at most 8"),
+            ("vn 1 1 1\n".repeat(9).as_str(), "15:1: the file: 9 normals; at most 8 are read"),
+            ("f 1 2 \\\n3\nf 1 2 \\\n 9", "leaf.obj:9:1: not valid OBJ: the corner '9' is none"),
+            ("f 1 \\\n\\\n3\n", "leaf.obj:7:1: not valid OBJ: a face of 2 corners"),
+            ("f 1 2 3 \\\n4\nv 1 x 2\n", "leaf.obj:9:1: not valid OBJ: position parse error"),
+            ("mtllib\n", "leaf.obj:7:1: mtllib: \"\" is no path"),
+            ("mtllib no such.mtl # tip\n", "leaf.obj:7:1: mtllib: \"no such.mtl # tip\" cannot"),
+            ("mtllib none.mtl # tip\n", "leaf.obj:7:1: mtllib: \"none.mtl\" cannot be read"),
             ("mtllib none.mtl\n", "leaf.obj:7:1: mtllib: \"none.mtl\" cannot be read"),
             (
                 "mtllib ../leaf.obj\n",
@@ -301,6 +434,13 @@ mod tests {
         ] {
             assert!(told(rest).contains(expected), "{rest}: {}", told(rest));
         }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("long.obj");
+        std::fs::write(&path, SQUARE).unwrap();
+        let limits = ReadLimits { text_bytes: 9, ..ReadLimits::default() };
+        let error = read_obj(&path, &limits).err().unwrap().to_string();
+        let expected = format!("is {} bytes long; at most 9 are read", SQUARE.len());
+        assert!(error.ends_with(&expected), "{error}");
         let missing = read_obj(Path::new("no-such.obj"), &ReadLimits::default()).err();
         assert!(missing.is_some_and(|error| error.to_string().contains("no-such.obj")));
     }

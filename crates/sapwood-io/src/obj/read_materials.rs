@@ -3,30 +3,25 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use sapwood_geom::Shared;
+use sapwood_geom::{FixedSet, Shared, fixed_state};
 use sapwood_graph::{Alpha, Material};
 
 use crate::gltf::Folder;
 use crate::raster::Raster;
-use crate::{Error, ErrorKind, ReadLimits};
+use crate::{Error, ErrorKind, Place, ReadLimits};
 
-/// A material by its name in the file.
-pub(super) struct Named {
-    pub(super) name: String,
-    pub(super) material: Arc<Material>,
-}
-
-impl Named {
-    pub(super) fn as_tobj(&self) -> tobj::Material {
-        tobj::Material { name: self.name.clone(), ..tobj::Material::default() }
-    }
+/// What a file says of a material.
+struct Told {
+    read: tobj::Material,
+    /// The line of the OBJ file that names that file.
+    line: usize,
 }
 
 /// The materials of one OBJ file, from the files beside it that it names.
 pub(super) struct Library {
     folder: Folder,
-    named: Vec<Named>,
-    n_read: usize,
+    told: Vec<Told>,
+    names: FixedSet<String>,
     /// Pixels that images may still have.
     pixels: u64,
 }
@@ -35,24 +30,51 @@ impl Library {
     /// That of the file at `path`, of which so many bytes were read.
     pub(super) fn beside(path: &Path, n_read: u64, limits: &ReadLimits) -> Self {
         let folder = Folder::of(Some(path), n_read, limits.bytes);
-        Self { folder, named: Vec::new(), n_read: 0, pixels: limits.pixels }
+        let (told, names) = (Vec::new(), FixedSet::with_hasher(fixed_state()));
+        Self { folder, told, names, pixels: limits.pixels }
     }
 
-    /// What was read.
-    pub(super) fn named(self) -> Vec<Named> {
-        self.named
+    /// Whether a material is called so.
+    pub(super) fn knows(&self, name: &str) -> bool {
+        self.names.contains(name)
     }
 
-    /// How many files were read.
-    pub(super) fn n_read(&self) -> usize {
-        self.n_read
+    /// The names of the materials, each with its number. Of equal names, the last counts.
+    pub(super) fn names(&self) -> impl ExactSizeIterator<Item = (&str, usize)> {
+        self.told.iter().enumerate().map(|(number, told)| (told.read.name.as_str(), number))
     }
 
-    /// Adds the materials of a file.
-    pub(super) fn read(&mut self, name: &str) -> Result<(), Error> {
-        let bytes = self.folder.read(name, "mtllib")?;
-        self.n_read += 1;
-        let text = String::from_utf8_lossy(&bytes);
+    /// Adds the materials of the files that a line names: of one whose name has spaces, or of
+    /// several; `words` are those before a comment.
+    pub(super) fn read<'a>(
+        &mut self,
+        names: &str,
+        words: impl Iterator<Item = &'a str> + Clone,
+        line: usize,
+    ) -> Result<(), Error> {
+        const AT: &str = "mtllib";
+        let mut no_such = match self.folder.read_path(names, AT) {
+            Ok(bytes) => return self.add(names, &bytes, line),
+            Err(error) => Some(error),
+        };
+        if words.clone().count() == 1 {
+            no_such = None;
+        }
+        for word in words {
+            let bytes = self.folder.read_path(word, AT);
+            // Where not even the first is there, one name was meant.
+            let bytes = bytes.map_err(|error| no_such.take().unwrap_or(error))?;
+            no_such = None;
+            self.add(word, &bytes, line)?;
+        }
+        match no_such {
+            Some(error) => Err(error),
+            None => Ok(()),
+        }
+    }
+
+    fn add(&mut self, name: &str, bytes: &[u8], line: usize) -> Result<(), Error> {
+        let text = String::from_utf8_lossy(bytes);
         let mut understood = String::with_capacity(text.len());
         for (number, line) in (1..).zip(text.lines()) {
             let mut words = line.split_whitespace();
@@ -81,14 +103,22 @@ impl Library {
             Error::new(ErrorKind::Invalid { at, found, accepted: String::new() })
         })?;
         for read in materials {
-            let material = Arc::new(self.material(&read)?);
-            self.named.push(Named { name: read.name, material });
+            self.names.insert(read.name.clone());
+            self.told.push(Told { read, line });
         }
         Ok(())
     }
 
+    /// Makes the material of a number, and reads its image.
+    pub(super) fn material(&mut self, number: usize) -> Result<Option<Arc<Material>>, Error> {
+        let Some(Told { read, line }) = self.told.get(number) else { return Ok(None) };
+        let (read, place) = (read.clone(), Place { line: *line, column: 1 });
+        let material = self.made(&read).map_err(|error| error.at(place))?;
+        Ok(Some(Arc::new(material)))
+    }
+
     /// What is drawn on both sides, for the format knows none that are not.
-    fn material(&mut self, read: &tobj::Material) -> Result<Material, Error> {
+    fn made(&mut self, read: &tobj::Material) -> Result<Material, Error> {
         let [red, green, blue] =
             read.diffuse.unwrap_or([1.0; 3]).map(|share| share.clamp(0.0, 1.0));
         let mut material =
@@ -103,7 +133,7 @@ impl Library {
                 Some(options) => options.split_whitespace().last().unwrap_or_default(),
                 None => name,
             };
-            let bytes = self.folder.read(name, "map_Kd")?;
+            let bytes = self.folder.read_path(name, "map_Kd")?;
             let at = format!("map_Kd {name:?}");
             let raster = Raster::of(&bytes).map_err(|fault| fault.into_error(&at))?;
             let found = raster.n_pixels();

@@ -1,4 +1,5 @@
-//! References: what stands at a URI of a model file. Nothing outside the file's folder is opened.
+//! References: what stands at a URI of a model file, or at a path that it names. Nothing outside the
+//! file's folder is opened.
 
 use std::collections::BTreeSet;
 use std::fs::File;
@@ -13,6 +14,7 @@ use super::schema::quoted;
 use crate::{Error, ErrorKind};
 
 const ACCEPTED: &str = "the relative path of a file in the folder of the model, or a data URI";
+const ACCEPTED_PATH: &str = "the relative path of a file in the folder of the model";
 
 /// The folder of a model, and how many bytes may still be read from it.
 pub(crate) struct Folder {
@@ -39,8 +41,17 @@ impl Folder {
     pub(crate) fn read(&mut self, uri: &str, at: &str) -> Result<Vec<u8>, Error> {
         let bytes = match uri.get(..5) {
             Some(scheme) if scheme.eq_ignore_ascii_case("data:") => self.data(uri, at)?,
-            _ => self.file(uri, at)?,
+            _ => self.file(uri, relative(uri), (at, ACCEPTED))?,
         };
+        self.left -= bytes.len() as u64;
+        Ok(bytes)
+    }
+
+    /// The bytes of the file at `path`, which stands as it is at the place `at`: with `/` or `\`
+    /// between its parts, and nothing encoded.
+    pub(crate) fn read_path(&mut self, path: &str, at: &str) -> Result<Vec<u8>, Error> {
+        let inside = relative_path(&path.replace('\\', "/"));
+        let bytes = self.file(path, inside, (at, ACCEPTED_PATH))?;
         self.left -= bytes.len() as u64;
         Ok(bytes)
     }
@@ -68,23 +79,29 @@ impl Folder {
         }
     }
 
-    fn file(&mut self, uri: &str, at: &str) -> Result<Vec<u8>, Error> {
+    /// The bytes of the file that `name` stands for, which is `inside` the folder.
+    fn file(
+        &mut self,
+        name: &str,
+        inside: Result<PathBuf, &'static str>,
+        (at, accepted): (&str, &str),
+    ) -> Result<Vec<u8>, Error> {
         let Some(folder) = &self.path else {
             return Err(invalid(at, "the model has no folder", "a data URI"));
         };
         let inside =
-            relative(uri).map_err(|why| invalid(at, format!("{} {why}", quoted(uri)), ACCEPTED))?;
+            inside.map_err(|why| invalid(at, format!("{} {why}", quoted(name)), accepted))?;
         let unreadable =
-            |cause: io::Error| invalid(at, format!("{} cannot be read: {cause}", quoted(uri)), "");
+            |cause: io::Error| invalid(at, format!("{} cannot be read: {cause}", quoted(name)), "");
         // Resolving links opens nothing.
         let path = folder.join(inside).canonicalize().map_err(unreadable)?;
         if !path.starts_with(folder) {
-            let found = format!("{} is a link out of the folder", quoted(uri));
-            return Err(invalid(at, found, ACCEPTED));
+            let found = format!("{} is a link out of the folder", quoted(name));
+            return Err(invalid(at, found, accepted));
         }
         let metadata = path.metadata().map_err(unreadable)?;
         if !metadata.is_file() {
-            return Err(invalid(at, format!("{} is no file", quoted(uri)), ACCEPTED));
+            return Err(invalid(at, format!("{} is no file", quoted(name)), accepted));
         }
         if metadata.len() > self.left {
             return Err(self.over(at, metadata.len()));
@@ -113,6 +130,11 @@ fn relative(uri: &str) -> Result<PathBuf, &'static str> {
         return Err("is no relative path");
     }
     let path = percent_decode_str(uri).decode_utf8().map_err(|_| "is no UTF-8 text")?;
+    relative_path(&path)
+}
+
+/// The path that a text with `/` between its parts is, or why it is none that is followed.
+fn relative_path(path: &str) -> Result<PathBuf, &'static str> {
     if path.is_empty() {
         return Err("is no path");
     }
@@ -120,7 +142,7 @@ fn relative(uri: &str) -> Result<PathBuf, &'static str> {
         return Err("has characters that no path should have");
     }
     let mut inside = PathBuf::new();
-    for component in Path::new(&*path).components() {
+    for component in Path::new(path).components() {
         match component {
             Component::Normal(name) => inside.push(name),
             Component::CurDir => {}
@@ -165,5 +187,44 @@ mod tests {
         ] {
             assert_eq!(relative(uri), expected.map(PathBuf::from), "{uri}");
         }
+    }
+
+    #[test]
+    fn paths_are_taken_as_they_are() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::create_dir(folder.path().join("b")).unwrap();
+        for name in ["a%20b.png", "a b#c?.png", "b/c.png"] {
+            std::fs::write(folder.path().join(name), name).unwrap();
+        }
+        let mut inside = Folder::of(Some(&folder.path().join("b.obj")), 0, 100);
+        let mut read = |path: &str| {
+            let bytes = inside.read_path(path, "map");
+            bytes.map(|bytes| String::from_utf8(bytes).unwrap()).map_err(|error| error.to_string())
+        };
+        for name in ["a%20b.png", "a b#c?.png", "b/c.png"] {
+            assert_eq!(read(name).unwrap(), name);
+        }
+        assert_eq!(read(".\\b\\c.png").unwrap(), "b/c.png");
+        for (path, why) in [
+            ("..\\a", "leads out of the folder"),
+            ("b/../../a", "leads out of the folder"),
+            ("\\\\server\\share", "is no relative path"),
+            ("/etc/passwd", "is no relative path"),
+            ("C:\\a", "has characters that no path should have"),
+            ("data:,a", "has characters that no path should have"),
+            ("%2e%2e/a", "cannot be read"),
+            ("", "is no path"),
+            ("b", "is no file"),
+        ] {
+            let told = read(path).unwrap_err();
+            assert!(told.contains(why) && !told.contains("data URI"), "{path}: {told}");
+        }
+        // What was read counts.
+        assert!(
+            Folder::of(Some(&folder.path().join("b.obj")), 94, 100)
+                .read_path("b/c.png", "")
+                .is_err()
+        );
+        assert_eq!(inside.n_read(), 9 + 10 + 7 + 7);
     }
 }
