@@ -50,8 +50,9 @@ pub struct Body {
     pub labels: Vec<LabelRow>,
     /// How what sways does so, in the body's frame; nothing where nothing does.
     pub rig: Option<Arc<Rig>>,
-    /// Whether its meshes are together one closed surface, of which triangles meet at equal positions:
-    /// such as welding by union makes.
+    /// Whether its meshes were made to be together one closed surface, of which triangles meet at
+    /// equal positions: such as welding by union makes. A claim: what changes meshes or leaves some
+    /// of their triangles out keeps it, so whoever relies on it counts the triangles of edges.
     pub is_solid: bool,
 }
 
@@ -215,7 +216,7 @@ impl DrawList {
 
     /// The list with other meshes: `change` is asked once for each distinct mesh. What becomes
     /// empty is no longer drawn, and neither is what a range left out; single meshes no longer
-    /// sway. All else stays as it is.
+    /// sway. All else stays as it is, the claim to be [solid](Body::is_solid) too.
     pub fn with_meshes(&self, mut change: impl FnMut(&Mesh) -> Mesh) -> Self {
         let mut changed: FixedMap<Digest, SharedMesh> = FixedMap::with_hasher(fixed_state());
         let Self { mut bodies, occurrences } = self.as_drawn().into_owned();
