@@ -16,9 +16,9 @@ use crate::{Error, ErrorKind, ReadLimits, read_gltf};
 /// The most pixels that a leaf's image may have: 4096 x 4096.
 const MOST_PIXELS: u64 = 1 << 24;
 
-/// Reads the mesh of a leaf from the glTF file at `path`, or from the OBJ file where the name ends in
-/// `.obj`: everything that the file shows, in its frame. The origin is where the leaf's stalk ends, +z leads along it and +y is its upper side; how
-/// long it is does not matter.
+/// Reads the mesh of a leaf from the glTF file at `path`, or from the OBJ file where the name ends
+/// in `.obj`: everything that the file shows, in its frame. The origin is where the leaf's stalk
+/// ends, +z leads along it and +y is its upper side; how long it is does not matter.
 ///
 /// It is drawn with the material that the file has for it, or with what the species says of its
 /// leaves where the file has none.
