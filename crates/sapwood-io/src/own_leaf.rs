@@ -150,7 +150,8 @@ mod tests {
     fn obj_files_hold_leaves_too() {
         // What is written as OBJ is read as the leaf that it was, with its image.
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("leaf.OBJ");
+        // No name is decoded on the way, not even those of materials and images.
+        let path = folder.path().join("my%20leaf.OBJ");
         let covered = |x: u32| if x == 0 { 0 } else { 255 };
         let image = Image::from_fn(4, 4, |x, y| [9, 40 * y as u8, 9, covered(x)]);
         let mut red = Material::matte("red", 0.5, 0.25, 0.0);
