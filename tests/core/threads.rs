@@ -13,10 +13,16 @@ fn many_askers_make_the_same_on_any_number_of_threads() {
             let mut scene = checked_scene();
             let root = scene.add(Group);
             let mut attributes = Vec::new();
+            // The same cloth below every attribute, before others that ask for the same dye.
+            let shared = scene.add(Group);
+            for n in 0..40 {
+                scene.add_to(shared, Cloth { n, shows_dye: n % 3 == 0 }).unwrap();
+            }
             for size in 0..12 {
                 let attribute = Attribute::new().with::<Size>(size as f32 * 9.0);
                 attributes.push(scene.add_to(root, attribute).unwrap());
                 let group = scene.add_to(attributes[size], Group).unwrap();
+                scene.append(group, shared).unwrap();
                 for i in 0..150 {
                     let n = (size as u32 * 7 + i * i) % 40;
                     scene.add_to(group, Cloth { n, shows_dye: i % 5 == 0 }).unwrap();

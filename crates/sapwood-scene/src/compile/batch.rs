@@ -61,12 +61,14 @@ impl AboutToBeMade {
     }
 
     fn is_first(&mut self, target: Target, rule: u32) -> bool {
-        !self.before.contains(&(target, rule)) && self.batch.insert((target, rule))
+        let is_new = self.batch.insert((target, rule));
+        is_new && !self.before.contains(&(target, rule))
     }
 }
 
 impl Ahead {
-    /// What it came to, if it ran for this component in this environment.
+    /// What it came to, if it ran for this component in this environment and lacked nothing: what it
+    /// lacked may be there by now.
     pub(super) fn outcome_for(
         self,
         target: Target,
@@ -76,7 +78,8 @@ impl Ahead {
     ) -> Option<Box<Run>> {
         let is_it =
             (self.target, self.rule, self.env, self.previous) == (target, rule, env, previous);
-        self.run.filter(|_| is_it)
+        let is_of_use = is_it && !self.is_lacking();
+        self.run.filter(|_| is_of_use)
     }
 
     fn is_lacking(&self) -> bool {
@@ -106,8 +109,10 @@ impl<'a> Pull<'a> {
                         scope.spawn(|_| beside.run_all(&mut next));
                         self.fill_together(batch, ahead)
                     });
-                    // What was published meanwhile is seen now.
-                    self.run_all(&mut next, Ahead::is_lacking);
+                    if outcome.is_ok() {
+                        // What was published meanwhile is seen now.
+                        self.run_all(&mut next, Ahead::is_lacking);
+                    }
                     outcome
                 }
             };
@@ -130,12 +135,13 @@ impl<'a> Pull<'a> {
         let mut n_again = 0;
         for (i, want) in wants.iter().enumerate() {
             let ahead = all_ahead.get_mut(i).and_then(Option::take);
-            let is_lacking = ahead.as_ref().is_some_and(Ahead::is_lacking);
+            let n_plans = self.cache.plans.len();
             self.fill(*want, ahead).map_err(|why| (i, why))?;
-            if is_lacking {
-                // What it lacked is there now, and others may have lacked the same.
+            let has_made_ingredients = self.cache.plans.len() > n_plans + 1;
+            if has_made_ingredients && n_again < MOST_AGAIN && i + 1 < all_ahead.len() {
+                // Others may have lacked the same.
                 n_again += 1;
-                self.run_again(&mut all_ahead[i + 1..], n_again <= MOST_AGAIN);
+                self.run_all(&mut all_ahead[i + 1..], Ahead::is_lacking);
             }
         }
         Ok(())
@@ -166,19 +172,7 @@ impl<'a> Pull<'a> {
         Some(Ahead { target, rule, env, previous, memories, job, run: None })
     }
 
-    /// Runs those again that lacked an ingredient, or forgets what they came to.
-    fn run_again(&self, all: &mut [Option<Ahead>], is_worth_it: bool) {
-        if is_worth_it {
-            self.run_all(all, Ahead::is_lacking);
-            return;
-        }
-        for ahead in all {
-            if ahead.as_ref().is_some_and(Ahead::is_lacking) {
-                *ahead = None;
-            }
-        }
-    }
-
+    /// Runs those that `which` chooses, side by side.
     fn run_all(&self, all: &mut [Option<Ahead>], which: impl Fn(&Ahead) -> bool) {
         let (limits, plans) = (self.limits(), PlansOfView { cache: self.cache, view: self.view });
         run_each(all, which, |Ahead { memories, job, .. }| {

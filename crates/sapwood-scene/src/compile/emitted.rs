@@ -13,15 +13,9 @@ use crate::semantic::AnyComponent;
 /// A component that came out of a rule.
 pub(crate) struct Emitted {
     pub(crate) component: Arc<dyn AnyComponent>,
-    pub(crate) kind: EmittedKind,
+    /// The number of its kind, in the order in which kinds were met.
+    pub(crate) kind: u32,
     pub(crate) digest: Digest,
-}
-
-/// A kind of emitted components, and its number in the order in which kinds were met.
-#[derive(Clone, Copy)]
-pub(crate) struct EmittedKind {
-    pub(crate) kind: Kind,
-    pub(crate) number: u32,
 }
 
 /// All components that came out of rules.
@@ -51,13 +45,18 @@ impl EmittedComponents {
                 kinds.push(kind);
                 kinds.len() as u32 - 1
             });
-            self.rows.insert(Emitted { component, kind: EmittedKind { kind, number }, digest })
+            self.rows.insert(Emitted { component, kind: number, digest })
         })
     }
 
     /// The number of the component with this content, if it is there.
     pub(crate) fn number(&self, kind: Kind, digest: Digest) -> Option<u32> {
         self.index.get(&(kind, digest)).copied()
+    }
+
+    /// The kind of a component that is there.
+    pub(crate) fn kind(&self, number: u32) -> Kind {
+        self.kinds[self.rows[number].kind as usize]
     }
 
     /// The kinds that were met, in that order.
@@ -71,7 +70,7 @@ impl EmittedComponents {
         let gone: Vec<u32> = numbers.filter(|number| !keep.contains(number)).collect();
         for number in gone {
             if let Some(Emitted { kind, digest, .. }) = self.rows.remove(number) {
-                self.index.remove(&(kind.kind, digest));
+                self.index.remove(&(self.kinds[kind as usize], digest));
             }
         }
     }

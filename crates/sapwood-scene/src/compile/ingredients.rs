@@ -252,7 +252,7 @@ impl CompiledPlans for PlansOfView<'_> {
         }
         let mut known = || {
             let number = self.cache.emitted.number(kind, content)?;
-            let kind = self.cache.emitted[number].kind.number;
+            let kind = self.cache.emitted[number].kind;
             let rule = self.view.emitted_rules.get(kind as usize).copied().flatten()?;
             let group = self.cache.groups.get(&(Target::Emitted(number), rule))?;
             group.find(|key| key.read_again(slots, memories))

@@ -1,12 +1,16 @@
 //! Publishing: a draft becomes a plan, and the components in it get their identity.
 
+use std::sync::Arc;
+
+use sapwood_geom::Digest;
 use sapwood_graph::Interrupted;
+use smallvec::SmallVec;
 
 use super::cache::{Plan, PlanLink, Target};
 use super::pull::Pull;
 use crate::PushMode;
 use crate::rules::{Draft, DraftTarget, Read};
-use sapwood_geom::Digest;
+use crate::slots::Scope;
 
 impl Pull<'_> {
     /// Stores a draft as a plan and tells its number.
@@ -62,7 +66,7 @@ impl Pull<'_> {
                 .scopes
                 .iter()
                 .any(|scope| matches!(scope.mode, PushMode::Force | PushMode::Protect)),
-            scopes: tables.scopes.into_iter().collect(),
+            scopes: shared(tables.scopes),
             parts: tables.parts,
             reads: reads.into(),
             has_sites: false,
@@ -73,4 +77,9 @@ impl Pull<'_> {
             ingredients: (ingredients.height > 0).then(|| Box::new(ingredients)),
         })
     }
+}
+
+/// Scopes as plans keep them; most plans push nothing, and take no memory for it.
+fn shared(scopes: SmallVec<[Scope; 1]>) -> Arc<[Scope]> {
+    if scopes.is_empty() { Arc::default() } else { scopes.into_iter().collect() }
 }

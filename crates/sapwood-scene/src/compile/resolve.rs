@@ -27,14 +27,13 @@ impl Cache {
 
     /// Finds the rule of every kind that has been met.
     pub(crate) fn resolve_kinds(&mut self, view: &mut View, graph: &Graph) {
-        let values = Arc::clone(&view.root_values);
         while view.authored_rules.len() < graph.storage.n_kinds() {
             let kind = graph.storage.kind_numbered(view.authored_rules.len() as u32);
-            let number = values.rules.rule(kind).map(|rule| self.rule_number(rule));
+            let number = view.root_values.rules.rule(kind).map(|rule| self.rule_number(rule));
             view.authored_rules.push(number);
         }
-        while let Some(kind) = self.emitted.kinds().get(view.emitted_rules.len()) {
-            let number = values.rules.rule(*kind).map(|rule| self.rule_number(rule));
+        while let Some(kind) = self.emitted.kinds().get(view.emitted_rules.len()).copied() {
+            let number = view.root_values.rules.rule(kind).map(|rule| self.rule_number(rule));
             view.emitted_rules.push(number);
         }
     }
@@ -46,7 +45,7 @@ impl Pull<'_> {
         match target {
             Target::View(_) => None,
             Target::Authored(node) => self.graph.kind(node).ok(),
-            Target::Emitted(number) => Some(self.cache.emitted[number].kind.kind),
+            Target::Emitted(number) => Some(self.cache.emitted.kind(number)),
         }
     }
 
@@ -57,9 +56,7 @@ impl Pull<'_> {
             Target::Authored(node) => {
                 (&self.view.authored_rules, self.graph.node(node).ok()?.component.kind)
             }
-            Target::Emitted(number) => {
-                (&self.view.emitted_rules, self.cache.emitted[number].kind.number)
-            }
+            Target::Emitted(number) => (&self.view.emitted_rules, self.cache.emitted[number].kind),
         };
         rules.get(kind as usize).copied().flatten()
     }
