@@ -7,7 +7,7 @@ use super::kinds::*;
 
 #[test]
 fn many_askers_make_the_same_on_any_number_of_threads() {
-    // Many batches; sizes push below, fail and panic, and dye is shown as well as asked for.
+    // Many batches; sizes are pushed below, the last fails, and dye is shown as well as asked for.
     let outcome = |n_threads: usize, budget: Budget| {
         let run = || {
             let mut scene = checked_scene();
@@ -19,7 +19,7 @@ fn many_askers_make_the_same_on_any_number_of_threads() {
                 scene.add_to(shared, Cloth { n, shows_dye: n % 3 == 0 }).unwrap();
             }
             for size in 0..12 {
-                let attribute = Attribute::new().with::<Size>(size as f32 * 9.0);
+                let attribute = Attribute::new().with::<Size>(size as f32 * 8.5);
                 attributes.push(scene.add_to(root, attribute).unwrap());
                 let group = scene.add_to(attributes[size], Group).unwrap();
                 scene.append(group, shared).unwrap();
@@ -42,7 +42,7 @@ fn many_askers_make_the_same_on_any_number_of_threads() {
     for triangles in [u64::MAX, 700, 90] {
         let budget = Budget { triangles, ..Budget::default() };
         let one = outcome(1, budget);
-        assert_eq!(one.0.is_some(), triangles < 700, "{:?}", one.0);
+        assert_eq!(one.0.is_some(), triangles < u64::MAX, "{:?}", one.0);
         for n_threads in [2, 5] {
             assert!(
                 one == outcome(n_threads, budget),
