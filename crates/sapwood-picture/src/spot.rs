@@ -22,9 +22,9 @@ pub(crate) struct Spot {
     pub(crate) clearance: f32,
 }
 
-/// How far rays start from a surface, relative to how large the numbers around it are: some ten times what
-/// rounding moves it by. Not relative to how far away it is seen from, for then light would come
-/// through what is fine the farther away one stands.
+/// How far rays start from a surface, relative to how large the numbers around it are: some ten
+/// times what rounding moves it by. Not relative to how far away it is seen from, for then light
+/// would come through what is fine the farther away one stands; but for lines, as `flat` does.
 const CLEARANCE: f32 = 2e-6;
 
 impl Spot {
