@@ -300,7 +300,8 @@ impl std::error::Error for TooManyRows {}
 /// The list of everything below the root.
 ///
 /// # Errors
-/// When there are more than `max_rows` rows of all sorts together.
+/// When there are more than `max_rows` rows of all sorts together; of two that fade into each other
+/// both count.
 pub fn draw_list(supply: &dyn Supply, max_rows: usize) -> Result<DrawList, TooManyRows> {
     let mut builder = Builder::new(supply, max_rows);
     let (_, root) = supply.root();
