@@ -328,6 +328,36 @@ fn an_impostor_shows_the_side_that_is_looked_at_and_two_crossed_boards_to_nobody
 }
 
 #[test]
+fn boards_that_fade_into_each_other_cast_no_shadow_on_each_other() {
+    let mut tree = planted_in(Scene::new(), &built_in("palm"), 1);
+    let aabb = tree.scene.bounds(tree.view).unwrap().aabb;
+    let options = ImpostorOptions { sides: 8, light: ImpostorLight::Even, ..few() };
+    let made = impostor(&mut Impostors::new(options), &mut tree.scene, tree.view);
+    let hard = Aspects { blends: false, ..made.aspects.clone() };
+    let hard = Arc::new(Impostor { aspects: hard, ..Impostor::clone(&made) });
+    let [blended, hard] = [made, hard].map(|impostor| {
+        let board = tree.scene.add(HeldImpostor { impostor });
+        tree.scene.open_view(board, &sapwood::standard_rules()).unwrap()
+    });
+    // Under a sun.
+    let (target, metres) = (aabb.center(), aabb.size().max_element());
+    let look = Look { target, metres, rows: 64, light: ImpostorOptions::default().light };
+    let mut brightness = |view: ViewId, angle: f32| -> f64 {
+        let eye = target + Vec3::new(angle.sin(), 0.0, angle.cos()) * 600.0;
+        let (n, color) = covered(&picture(&mut tree.scene, view, eye, &look));
+        assert!(n > 100.0);
+        color.iter().sum()
+    };
+    for side in 0..8 {
+        let halfway = (side as f32 + 0.5) * std::f32::consts::FRAC_PI_4;
+        let alone = [-1e-3, 1e-3].map(|by| brightness(hard, halfway + by));
+        let both = brightness(blended, halfway);
+        let [least, most] = [alone[0].min(alone[1]), alone[0].max(alone[1])];
+        assert!((0.97 * least..=1.03 * most).contains(&both), "{side}: {both}, {alone:?}");
+    }
+}
+
+#[test]
 fn boards_fade_into_each_other_between_two_sides() {
     let mut tree = planted_in(Scene::new(), &built_in("palm"), 1);
     let aabb = tree.scene.bounds(tree.view).unwrap().aabb;

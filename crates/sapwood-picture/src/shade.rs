@@ -10,7 +10,7 @@ use crate::film::Exposed;
 use crate::light::{Beam, cosine_weighted};
 use crate::pattern::{Pattern, Use, mixed, unit};
 use crate::spot::Spot;
-use crate::trace::{Hit, Met, Passage};
+use crate::trace::{Chance, Hit, Met, Passage};
 use crate::world::World;
 use crate::{Background, Ground, PictureOptions, RayCounts};
 
@@ -58,6 +58,10 @@ struct Sample<'a> {
 impl Sample<'_> {
     fn pair(&self, purpose: Use) -> [f32; 2] {
         self.pattern.pair(self.index, purpose, self.depth)
+    }
+
+    fn chance(&self) -> Chance {
+        Chance::of_path(self.pair(Use::Chance)[0])
     }
 }
 
@@ -128,7 +132,7 @@ impl Shader<'_> {
             is_met.then_some((First::Ground { ground, distance, haze }, distance))
         });
         let before = ground.as_ref().map_or(reach, |(_, distance)| *distance);
-        match self.world.nearest(ray, before, sample.pair(Use::Chance)[0]) {
+        match self.world.nearest(ray, before, sample.chance()) {
             Met::Hit(hit) => Some(First::Hit(hit)),
             Met::Nothing => Some(ground.map_or(First::Nothing, |(ground, _)| ground)),
             Met::Waiting(wait) => {
@@ -174,12 +178,12 @@ impl Shader<'_> {
                 continue;
             }
             self.rays.shadow += 1;
-            let chance = unit(mixed(sample.pair(Use::Chance)[0].to_bits(), number as u32));
+            let own = unit(mixed(sample.pair(Use::Chance)[0].to_bits(), number as u32));
             let ray = spot.ray(beam.toward);
             if self.to_ground(&ray).is_some_and(|distance| distance < beam.reach) {
                 continue;
             }
-            match self.passage(&ray, beam.reach, chance) {
+            match self.passage(&ray, beam.reach, sample.chance().with(own)) {
                 Some(is_clear) => light += if is_clear { share * beam.color } else { Vec3::ZERO },
                 None => waits = true,
             }
@@ -202,8 +206,8 @@ impl Shader<'_> {
         let mut seen = Vec3::ONE;
         if sky.occlusion_distance > 0.0 {
             self.rays.sky += 1;
-            let chance = sample.pair(Use::Chance)[0];
-            if !self.passage(&spot.ray(direction), sky.occlusion_distance, chance)? {
+            let ray = spot.ray(direction);
+            if !self.passage(&ray, sky.occlusion_distance, sample.chance())? {
                 seen = matter.color * sky.bounce;
             }
         }
@@ -217,7 +221,7 @@ impl Shader<'_> {
     }
 
     /// Whether a ray passes; nothing where it waits.
-    fn passage(&mut self, ray: &Ray32, reach: f32, chance: f32) -> Option<bool> {
+    fn passage(&mut self, ray: &Ray32, reach: f32, chance: Chance) -> Option<bool> {
         match self.world.passage(ray, reach, chance) {
             Passage::Clear => Some(true),
             Passage::Stopped => Some(false),

@@ -9,7 +9,7 @@ use sapwood_graph::{Interrupted, Provide};
 use crate::camera::Gaze;
 use crate::rounds::{self, too_much};
 use crate::spot::Spot;
-use crate::trace::Met;
+use crate::trace::{Chance, Met};
 use crate::world::{LineWidth, World};
 use crate::{PictureError, PictureOptions, PlacedCamera};
 
@@ -122,7 +122,7 @@ impl<'a> Studio<'a> {
         let ray = Ray32::new(origin, direction);
         let options = PictureOptions::default();
         let met = loop {
-            match world.nearest(&ray, reach, 0.5) {
+            match world.nearest(&ray, reach, Chance::of_path(0.5)) {
                 Met::Hit(hit) => break Some(hit),
                 Met::Nothing => break None,
                 Met::Waiting(wait) => world.fill(self.provide, &[wait])?,

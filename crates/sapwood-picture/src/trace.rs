@@ -101,9 +101,8 @@ impl Ahead {
 }
 
 impl World {
-    /// What a ray meets first before `reach`. `chance`, from 0 to 1, decides whether what is half
-    /// there is met.
-    pub(crate) fn nearest(&self, ray: &Ray32, reach: f32, chance: f32) -> Met {
+    /// What a ray meets first before `reach`; `chance` decides whether what is half there is met.
+    pub(crate) fn nearest(&self, ray: &Ray32, reach: f32, chance: Chance) -> Met {
         let mut met = Met::Nothing;
         let mut limit = reach;
         // The place and the triangle, where that is the nearest so far.
@@ -180,7 +179,7 @@ impl World {
     }
 
     /// Whether anything stops a ray before `reach`, whichever side of it is met.
-    pub(crate) fn passage(&self, ray: &Ray32, reach: f32, chance: f32) -> Passage {
+    pub(crate) fn passage(&self, ray: &Ray32, reach: f32, chance: Chance) -> Passage {
         let mut is_stopped = false;
         let mut waiting: Option<(f32, u32)> = None;
         let mut ahead = Ahead::new(ray);
@@ -261,6 +260,39 @@ impl World {
     }
 }
 
+/// The numbers from 0 to 1 by which a ray meets what is half there.
+#[derive(Clone, Copy)]
+pub(crate) struct Chance {
+    /// Of the whole path: where it meets one of two that fade into each other, the other casts no
+    /// shadow on it.
+    of_path: f32,
+    /// Of this ray alone, for coverage.
+    own: Option<f32>,
+}
+
+impl Chance {
+    /// Of a ray that has no number of its own.
+    pub(crate) fn of_path(number: f32) -> Self {
+        Self { of_path: number, own: None }
+    }
+
+    /// The same with a number of its own, so that rays of one path do not meet all of them the same.
+    pub(crate) fn with(self, own: f32) -> Self {
+        Self { own: Some(own), ..self }
+    }
+
+    /// The number that decides about coverage, where the thing is drawn at all.
+    fn within(self, fade: Option<CrossFade>) -> Option<f32> {
+        let Some(fade) = fade else { return Some(self.own.unwrap_or(self.of_path)) };
+        // What is drawn has only some of the path's numbers left, which stand for all of them.
+        let rest = || {
+            let first = f32::from(fade.first);
+            (self.of_path * f32::from(CrossFade::STEPS) - first) / (f32::from(fade.end) - first)
+        };
+        fade.shows(self.of_path).then(|| self.own.unwrap_or_else(rest))
+    }
+}
+
 /// A surface that a ray comes by.
 struct Approached<'a> {
     surface: u32,
@@ -276,14 +308,15 @@ struct Approached<'a> {
 impl Approached<'_> {
     /// Whether the surface is there where it was hit.
     #[inline]
-    fn is_there(&self, hit: &MeshHit32, chance: f32) -> bool {
-        self.cross_fade.is_none_or(|fade| fade.shows(chance))
-            && (!self.look.has_holes || self.look.is_there(uv_at(self.mesh, hit), chance))
+    fn is_there(&self, hit: &MeshHit32, chance: Chance) -> bool {
+        chance.within(self.cross_fade).is_some_and(|chance| {
+            !self.look.has_holes || self.look.is_there(uv_at(self.mesh, hit), chance)
+        })
     }
 
     /// Whether it is, and is seen from the side that was hit.
     #[inline]
-    fn is_seen(&self, hit: &MeshHit32, chance: f32) -> bool {
+    fn is_seen(&self, hit: &MeshHit32, chance: Chance) -> bool {
         (hit.is_front || self.look.is_double_sided()) && self.is_there(hit, chance)
     }
 

@@ -159,7 +159,9 @@ impl<'a> Gather<'a> {
                         continue;
                     }
                     let (parts, growth) = limits.parts(n);
-                    for part in parts {
+                    // A light shines once, whatever fades around it.
+                    let most = if let RenderNode::Light(_) = drawn { 1 } else { usize::MAX };
+                    for part in parts.take(most) {
                         self.add(drawn, (part, growth), &frame, task, items);
                     }
                     continue;
