@@ -103,6 +103,9 @@ fn line<S>(at: &At<'_, S>) -> Option<String> {
         RenderNode::Facing(Facing::Eye) => "face the eye".to_owned(),
         RenderNode::Facing(Facing::Axis(axis)) => format!("face the eye about ({})", point(*axis)),
         RenderNode::Fading(fading) => format!("fade in masses of {}", fading.mass),
+        RenderNode::Aspects(aspects) if aspects.blends => {
+            format!("blend {} aspects", aspects.toward.len())
+        }
         RenderNode::Aspects(aspects) => format!("show one of {} aspects", aspects.toward.len()),
         RenderNode::Swaying(rig) => format!("sway with {} joints", rig.joints.len()),
         RenderNode::Mesh { mesh, material } => format!(
