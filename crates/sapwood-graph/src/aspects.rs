@@ -20,7 +20,9 @@ pub struct Aspects {
     /// How many of them, from the first one on, are drawn where nobody tells the eye, at most all.
     pub without_eye: u32,
     /// Whether the nearest and the next fade into each other as the eye goes from the one's direction
-    /// to the other's. Lines do not, and picks, cuts and files take the nearest alone.
+    /// to the other's. Lines do not, and picks and what fades with the distance take the nearest
+    /// alone. Files have the one with the larger share, of even ones that with the lower number. Cuts
+    /// have no eye, and so what is drawn [without one](Self::without_eye).
     pub blends: bool,
 }
 
@@ -42,8 +44,9 @@ impl Aspects {
     }
 
     /// The aspects that are shown to an eye in the node's frame where they blend, each with the pixels
-    /// that it is drawn in; one is shown alone where it is much the nearest. As the eye moves, shares
-    /// change steadily, but for places that are as far from three directions.
+    /// that it is drawn in; one is shown alone where it is much the nearest, and none that is seen from
+    /// behind is blended with it. Shares change steadily as the eye goes round a ring of directions.
+    /// They jump at places that are as far from three directions, as there are where it rises.
     fn blended(&self, eye: Vec3) -> Option<[(u32, CrossFade); 2]> {
         let direction = (eye - self.center).try_normalize()?;
         // The three nearest; directions that are not there are as far as can be.
@@ -56,6 +59,8 @@ impl Aspects {
             }
         }
         let [(one, nearest), (other, next), (_, third)] = near;
+        // What is a quarter turn away is seen from its edge, and beyond that from behind.
+        let third = third.min(std::f32::consts::SQRT_2);
         if one == other {
             return None;
         }
@@ -179,6 +184,12 @@ mod tests {
         let one = Aspects { toward: Shared::new(vec![Vec3::X]), ..ring.clone() };
         assert_eq!(one.parts(4, Some(Vec3::Y)), DrawnPart::alone(DrawRange { first: 0, end: 4 }));
         assert_eq!(ring.parts(32, None), DrawnPart::alone(DrawRange { first: 0, end: 0 }));
+        // Nor with what is seen from behind.
+        let [front, back] = [Vec3::new(0.0, 0.6, 0.8), Vec3::NEG_Z];
+        let two = Aspects { toward: Shared::new(vec![front, back]), ..ring.clone() };
+        let first = DrawnPart::alone(DrawRange { first: 0, end: 2 });
+        assert_eq!(two.parts(4, Some(Vec3::new(0.0, 1.0, 0.1))), first);
+        assert_ne!(two.parts(4, Some(Vec3::new(0.0, 1.0, -0.4))), first);
         let hard = Aspects { blends: false, ..ring.clone() };
         let parts = hard.parts(32, Some(Vec3::new(0.1, 0.0, 1.0)));
         assert_eq!(parts, DrawnPart::alone(DrawRange { first: 0, end: 2 }));
