@@ -1,5 +1,5 @@
-//! Files in and out: species in TOML and in XML of Arbaro, glTF and PNG in and out, JPEG in, OBJ out
-//! and leaves of it in, STL and SVG out, all errors with file and place.
+//! Files in and out: species in TOML and in XML of Arbaro, glTF and PNG in and out, JPEG in, OBJ
+//! out and leaves of it in, STL and SVG out, all errors with file and place.
 //!
 //! The only crate that opens files. It grows nothing: what it writes it is given as a draw list.
 

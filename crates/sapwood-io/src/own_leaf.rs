@@ -25,8 +25,8 @@ const MOST_PIXELS: u64 = 1 << 24;
 ///
 /// # Errors
 /// Those of [`read_gltf`], and the first line of an OBJ file that is not as the format has it; also
-/// when the file shows more than [`LeafMesh::MOST_TRIANGLES`], has several materials, images of more
-/// than 2^24 pixels, or what it shows is no leaf.
+/// when the file shows more than [`LeafMesh::MOST_TRIANGLES`], has several materials, images of
+/// more than 2^24 pixels, or what it shows is no leaf.
 pub fn read_leaf_mesh(path: impl AsRef<Path>) -> Result<LeafMesh, Error> {
     let path = path.as_ref();
     let most = LeafMesh::MOST_TRIANGLES as u64;
@@ -115,15 +115,11 @@ mod tests {
         let path = folder.path().join("leaf.glb");
         let mut body = Body::new(Kind::of::<Drawn>());
         for (mesh, material) in parts {
-            body.rows.push(DrawRow {
-                local: Affine3::IDENTITY,
-                mesh: SharedMesh::new(mesh.clone()),
-                material: Arc::new(material.clone()),
-                instances: None,
-                range: None,
-                cross_fade: None,
-                follows: None,
-            });
+            body.rows.push(DrawRow::new(
+                Affine3::IDENTITY,
+                SharedMesh::new(mesh.clone()),
+                Arc::new(material.clone()),
+            ));
         }
         let occurrence = Occurrence { body: 0, world: Affine3::IDENTITY };
         write_glb(&path, &DrawList { bodies: vec![body], occurrences: vec![occurrence] }).unwrap();
@@ -158,18 +154,9 @@ mod tests {
         (red.roughness, red.alpha) = (0.75, sapwood_graph::Alpha::Mask(0.5));
         red.images.base_color = Some(Shared::new(image));
         let mut body = Body::new(Kind::of::<Drawn>());
-        let (instances, range, follows) = (None, None, None);
         let (mesh, material) = (SharedMesh::new(maple(7.0)), Arc::new(red.clone()));
         let local = Affine3::IDENTITY;
-        body.rows.push(DrawRow {
-            local,
-            mesh,
-            material,
-            instances,
-            range,
-            cross_fade: None,
-            follows,
-        });
+        body.rows.push(DrawRow::new(local, mesh, material));
         let occurrence = Occurrence { body: 0, world: Affine3::IDENTITY };
         let list = DrawList { bodies: vec![body], occurrences: vec![occurrence] };
         write_obj(&path, &list).unwrap();

@@ -94,8 +94,8 @@ pub struct DrawRow {
     /// Which of the instances are drawn, or which triangles of a single mesh; nothing for all.
     /// [`DrawList::as_drawn`] is for whoever cannot draw by parts.
     pub range: Option<DrawRange>,
-    /// In which pixels it is drawn, where another row of the same body is drawn in the others; nothing for
-    /// all. [`DrawList::as_drawn`] keeps the foremost of such rows.
+    /// In which pixels it is drawn, where another row of the same body is drawn in the others;
+    /// nothing for all. [`DrawList::as_drawn`] keeps the foremost of such rows.
     pub cross_fade: Option<CrossFade>,
     /// Which joints of the body's rig the mesh's vertices follow, or its instances; nothing where
     /// the row does not sway.
@@ -103,6 +103,12 @@ pub struct DrawRow {
 }
 
 impl DrawRow {
+    /// A single mesh, all of it, that does not sway.
+    pub fn new(local: Affine3, mesh: SharedMesh, material: Arc<Material>) -> Self {
+        let (instances, range, cross_fade, follows) = (None, None, None, None);
+        Self { local, mesh, material, instances, range, cross_fade, follows }
+    }
+
     /// How often the mesh is drawn.
     pub fn n_copies(&self) -> usize {
         let Some(instances) = &self.instances else { return 1 };

@@ -145,14 +145,8 @@ impl Merging {
 
     fn finish(self) -> Vec<DrawRow> {
         let rows = self.rows.into_iter().flat_map(|(material, meshes)| {
-            meshes.into_iter().map(move |mesh| DrawRow {
-                local: Affine3::IDENTITY,
-                mesh: SharedMesh::new(mesh),
-                material: Arc::clone(&material),
-                instances: None,
-                range: None,
-                cross_fade: None,
-                follows: None,
+            meshes.into_iter().map(move |mesh| {
+                DrawRow::new(Affine3::IDENTITY, SharedMesh::new(mesh), Arc::clone(&material))
             })
         });
         rows.filter(|row| !row.mesh.is_empty()).collect()
@@ -178,15 +172,7 @@ mod tests {
     fn row(name: &str, local: Affine3, instances: Option<Vec<Affine3>>) -> DrawRow {
         let material = Arc::new(Material::matte(name, 0.5, 0.5, 0.5));
         let instances = instances.map(Shared::new);
-        DrawRow {
-            local,
-            mesh: triangle(),
-            material,
-            instances,
-            range: None,
-            cross_fade: None,
-            follows: None,
-        }
+        DrawRow { instances, ..DrawRow::new(local, triangle(), material) }
     }
 
     /// Two occurrences of a body of two materials, one of them mirrored; five triangles each.

@@ -33,9 +33,9 @@ impl Named for Welded {
 
 /// Gathers solids in walks, and joins them; keeps what it made for the next walk.
 ///
-/// Call [`meet`](Self::meet) for every node of a walk in pre-order, and then [`join`](Self::join). A
-/// walk that ends early leaves behind what it has met until then: call [`clear`](Self::clear) before
-/// the next one.
+/// Call [`meet`](Self::meet) for every node of a walk in pre-order, and then [`join`](Self::join).
+/// A walk that ends early leaves behind what it has met until then: call [`clear`](Self::clear)
+/// before the next one.
 pub struct WeldUnion {
     handlers: Handlers<Gathered>,
     cut_handlers: Handlers<Gathered, Standing>,
@@ -114,9 +114,9 @@ impl WeldUnion {
         }
     }
 
-    /// Takes what a pruning ([`prune_each`](super::prune_each)) leaves of what the node shows, if that
-    /// is solid. Stems and the like are closed by caps where they are cut; what is clipped by the
-    /// envelope, triangle by triangle, is open from then on and is left alone.
+    /// Takes what a pruning ([`prune_each`](super::prune_each)) leaves of what the node shows, if
+    /// that is solid. Stems and the like are closed by caps where they are cut; what is clipped by
+    /// the envelope, triangle by triangle, is open from then on and is left alone.
     ///
     /// The list that is handed to [`join`](Self::join) must be that of the same pruning.
     pub fn meet_remaining(&mut self, remaining: &Remaining<'_>, at: &At<'_, Standing>) {
@@ -184,14 +184,8 @@ impl WeldUnion {
             .into_iter()
             .zip(materials)
             .filter(|(mesh, _)| !mesh.is_empty())
-            .map(|(mesh, material)| DrawRow {
-                local: Affine3::IDENTITY,
-                mesh: SharedMesh::new(mesh),
-                material,
-                instances: None,
-                range: None,
-                cross_fade: None,
-                follows: None,
+            .map(|(mesh, material)| {
+                DrawRow::new(Affine3::IDENTITY, SharedMesh::new(mesh), material)
             })
             .collect();
         let mut bodies: Vec<Body> = list.bodies.clone();

@@ -150,8 +150,8 @@ impl WeldPieces {
         }
     }
 
-    /// Takes note of what a pruning ([`prune_each`](super::prune_each)) leaves of a mesh, if its plan
-    /// offers pieces: these are welded, and the result is cut where the mesh is.
+    /// Takes note of what a pruning ([`prune_each`](super::prune_each)) leaves of a mesh, if its
+    /// plan offers pieces: these are welded, and the result is cut where the mesh is.
     ///
     /// The list that is handed to [`welded`](Self::welded) must be that of the same pruning.
     pub fn meet_remaining(&mut self, remaining: &Remaining<'_>, at: &At<'_, Standing>) {

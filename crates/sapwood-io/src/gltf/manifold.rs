@@ -205,18 +205,9 @@ mod tests {
         };
         let mut body = Body::new(Kind::of::<Solid>());
         for (is_first, name) in [(true, "snow"), (false, "earth")] {
-            let (instances, range, follows) = (None, None, None);
             let material = Arc::new(Material::matte(name, 0.5, 0.5, 0.5));
             let (local, mesh) = (Affine3::IDENTITY, SharedMesh::new(half(is_first)));
-            body.rows.push(DrawRow {
-                local,
-                mesh,
-                material,
-                instances,
-                range,
-                cross_fade: None,
-                follows,
-            });
+            body.rows.push(DrawRow::new(local, mesh, material));
         }
         body.is_solid = is_solid;
         let occurrences = vec![Occurrence { body: 0, world: Affine3::IDENTITY }];

@@ -215,13 +215,9 @@ mod tests {
         let follows =
             |numbers| Some(Follows { numbers: Shared::new(numbers), joints: joints.clone() });
         let row = |mesh, instances: Option<Vec<Affine3>>, follows| DrawRow {
-            local: Affine3::IDENTITY,
-            mesh: SharedMesh::new(mesh),
-            material: Arc::clone(&material),
             instances: instances.map(Shared::new),
-            range: None,
-            cross_fade: None,
             follows,
+            ..DrawRow::new(Affine3::IDENTITY, SharedMesh::new(mesh), Arc::clone(&material))
         };
         let places = [0.5, 1.5, 2.5].map(|y| Affine3::from_translation(Vec3::new(0.5, y, 0.0)));
         let mut body = Body::new(Kind::of::<Reed>());

@@ -43,15 +43,7 @@ fn material(name: &str) -> Arc<Material> {
 }
 
 fn row(mesh: Mesh, name: &str) -> DrawRow {
-    DrawRow {
-        local: Affine3::IDENTITY,
-        mesh: SharedMesh::new(mesh),
-        material: material(name),
-        instances: None,
-        range: None,
-        cross_fade: None,
-        follows: None,
-    }
+    DrawRow::new(Affine3::IDENTITY, SharedMesh::new(mesh), material(name))
 }
 
 fn with_instances(instances: Vec<Affine3>) -> DrawRow {

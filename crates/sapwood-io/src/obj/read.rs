@@ -1,7 +1,8 @@
 //! OBJ in: the triangles of a file, all in one frame, with the materials that it names.
 //!
 //! The crate `tobj` reads the text. It tells of no error where it stands, takes lines for faces and
-//! believes what indices say; so each line is looked at before, and what is understood is handed on.
+//! believes what indices say; so each line is looked at before, and what is understood is handed
+//! on.
 
 use std::borrow::Cow;
 use std::fs::File;
@@ -27,8 +28,8 @@ pub(crate) struct ObjModel {
 }
 
 /// Reads the faces of the OBJ file at `path`, with the materials that they have, from its folder or
-/// below. Polygons become fans of triangles; what has no normals has those of flat triangles; lines,
-/// points, curves and colours of vertices are left out.
+/// below. Polygons become fans of triangles; what has no normals has those of flat triangles;
+/// lines, points, curves and colours of vertices are left out.
 ///
 /// # Errors
 /// When a file cannot be read or is longer than the limits allow, and at the first line that is not

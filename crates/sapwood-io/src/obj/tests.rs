@@ -33,13 +33,12 @@ fn quad() -> Mesh {
 
 fn row(mesh: &SharedMesh, name: &str, instances: Option<Vec<Affine3>>) -> DrawRow {
     DrawRow {
-        local: Affine3::from_rotation_z(0.3),
-        mesh: mesh.clone(),
-        material: Arc::new(Material::matte(name, 0.25, 0.5, 0.125)),
         instances: instances.map(Shared::new),
-        range: None,
-        cross_fade: None,
-        follows: None,
+        ..DrawRow::new(
+            Affine3::from_rotation_z(0.3),
+            mesh.clone(),
+            Arc::new(Material::matte(name, 0.25, 0.5, 0.125)),
+        )
     }
 }
 

@@ -128,8 +128,8 @@ impl LimitedBody<'_> {
 }
 
 impl<'a> Builder<'a> {
-    /// The number of the body that is drawn at a place; `fades_at` is where the distance is measured
-    /// of what fades above a top that turns.
+    /// The number of the body that is drawn at a place; `fades_at` is where the distance is
+    /// measured of what fades above a top that turns.
     pub(super) fn body_at(
         &mut self,
         look: usize,
@@ -201,22 +201,13 @@ impl<'a> Builder<'a> {
                     inside_of(local, Above { rig: Some((rig, local)), ..above });
                 }
                 RenderNode::Mesh { mesh, material } => body.rows.push(DrawRow {
-                    local,
-                    mesh: mesh.clone(),
-                    material: Arc::clone(material),
-                    instances: None,
-                    range: None,
-                    cross_fade: None,
                     follows,
+                    ..DrawRow::new(local, mesh.clone(), Arc::clone(material))
                 }),
                 RenderNode::Instances { mesh, material, transforms } => body.rows.push(DrawRow {
-                    local,
-                    mesh: mesh.clone(),
-                    material: Arc::clone(material),
                     instances: Some(transforms.clone()),
-                    range: None,
-                    cross_fade: None,
                     follows,
+                    ..DrawRow::new(local, mesh.clone(), Arc::clone(material))
                 }),
                 RenderNode::Lines(lines) => {
                     let material = plan.fragment.line_material(index).cloned();

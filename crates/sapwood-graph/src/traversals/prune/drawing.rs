@@ -92,16 +92,7 @@ impl<'a> Drawing<'a> {
                 let Some(mesh) = mesh else { return Ok(()) };
                 let material = Arc::clone(material);
                 self.add(at, |body| {
-                    let (instances, range, follows) = (None, None, None);
-                    body.rows.push(DrawRow {
-                        local,
-                        mesh,
-                        material,
-                        instances,
-                        range,
-                        cross_fade: None,
-                        follows,
-                    });
+                    body.rows.push(DrawRow::new(local, mesh, material));
                 })
             }
             RenderNode::Instances { mesh, material, transforms } => {
@@ -110,16 +101,8 @@ impl<'a> Drawing<'a> {
                 for (mesh, instances) in of_instances(pruning, meter, at, mesh, transforms) {
                     let material: Arc<Material> = Arc::clone(material);
                     self.add(at, |body| {
-                        let (range, follows) = (None, None);
-                        body.rows.push(DrawRow {
-                            local,
-                            mesh,
-                            material,
-                            instances,
-                            range,
-                            cross_fade: None,
-                            follows,
-                        });
+                        body.rows
+                            .push(DrawRow { instances, ..DrawRow::new(local, mesh, material) });
                     })?;
                 }
                 Ok(())

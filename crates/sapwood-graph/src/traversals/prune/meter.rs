@@ -12,8 +12,8 @@ const STEPS: u32 = 1024;
 pub struct PruneLimits<'a> {
     /// Rows that the draw list may have.
     pub rows: usize,
-    /// Triangles that whatever is cut may have afterwards, all together; what is cut to stand in for
-    /// that ([`Remaining::solids`](super::Remaining::solids)) may have as many for itself.
+    /// Triangles that whatever is cut may have afterwards, all together; what is cut to stand in
+    /// for that ([`Remaining::solids`](super::Remaining::solids)) may have as many for itself.
     pub triangles: u64,
     /// Asked now and then; ends the work where it answers no.
     pub goes_on: &'a dyn Fn() -> bool,

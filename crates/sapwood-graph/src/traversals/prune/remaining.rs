@@ -33,9 +33,9 @@ impl Remaining<'_> {
         of_mesh(self.pruning, &self.meters.stand_ins, at, mesh, of)
     }
 
-    /// What remains of a closed mesh for each part that the node's mesh shows, in their order: closed
-    /// meshes, shut by caps where they were cut. Nothing where nobody has decided about the parts:
-    /// what is clipped by the envelope stays open.
+    /// What remains of a closed mesh for each part that the node's mesh shows, in their order:
+    /// closed meshes, shut by caps where they were cut. Nothing where nobody has decided about the
+    /// parts: what is clipped by the envelope stays open.
     pub fn solids(&self, at: &At<'_, Standing>, solids: &[SharedMesh]) -> Option<Vec<SharedMesh>> {
         let fates = self.pruning.fates_of(at)?;
         let to_plan = fates.world.inverse() * *at.world();
@@ -67,8 +67,8 @@ fn surface<'a>(pruning: &'a Pruning, world: Affine3) -> Surface<'a> {
     Surface { envelope: &pruning.prune.envelope, world, tolerance: pruning.prune.tolerance }
 }
 
-/// What remains of a mesh; itself where that is all. `of` tells which of the node's triangles those of
-/// the mesh stand for, where it is not the node's own.
+/// What remains of a mesh; itself where that is all. `of` tells which of the node's triangles those
+/// of the mesh stand for, where it is not the node's own.
 pub(super) fn of_mesh(
     pruning: &Pruning,
     meter: &Meter<'_>,

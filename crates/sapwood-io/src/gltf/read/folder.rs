@@ -1,5 +1,5 @@
-//! References: what stands at a URI of a model file, or at a path that it names. Nothing outside the
-//! file's folder is opened.
+//! References: what stands at a URI of a model file, or at a path that it names. Nothing outside
+//! the file's folder is opened.
 
 use std::collections::BTreeSet;
 use std::fs::File;

@@ -319,15 +319,7 @@ fn envelopes_are_read_from_words_and_from_models_beside_the_file() {
     std::fs::write(&path, text("\"mesh:hull.glb\"")).unwrap();
     let mut body = Body::new(Kind::of::<Hull>());
     let (material, local) = (Arc::new(Material::matte("", 0.5, 0.5, 0.5)), Affine3::IDENTITY);
-    body.rows.push(DrawRow {
-        local,
-        mesh: hull(),
-        material,
-        instances: None,
-        range: None,
-        cross_fade: None,
-        follows: None,
-    });
+    body.rows.push(DrawRow::new(local, hull(), material));
     let occurrences = vec![Occurrence { body: 0, world: Affine3::from_translation(Vec3::X) }];
     let list = DrawList { bodies: vec![body], occurrences };
     crate::write_glb(folder.path().join("hull.glb"), &list).unwrap();

@@ -36,12 +36,12 @@ impl Named for Faded {
 /// What is left of a view for an eye: trees as `params` say, by the distance of each. Compiles the
 /// view, under whatever rules it has. The range that `params` may fix holds for all trees.
 ///
-/// An item of a stem is a quad of its surface, and a segment where it is a line; a leaf from afar is
-/// a triangle, whatever its shape is. All of it is one body in the root's frame.
+/// An item of a stem is a quad of its surface, and a segment where it is a line; a leaf from afar
+/// is a triangle, whatever its shape is. All of it is one body in the root's frame.
 ///
 /// # Errors
-/// When the view is closed, compiling was interrupted, or there would be more than `max_rows` rows of
-/// all sorts together.
+/// When the view is closed, compiling was interrupted, or there would be more than `max_rows` rows
+/// of all sorts together.
 pub fn faded(
     scene: &mut Scene,
     view: ViewId,
@@ -116,13 +116,8 @@ impl Emitting<'_> {
             }
             RenderNode::Mesh { mesh, material } => {
                 let row = DrawRow {
-                    local,
-                    mesh: mesh.clone(),
-                    material: material.clone(),
-                    instances: None,
                     range: self.limit(at, mesh.n_triangles()),
-                    cross_fade: None,
-                    follows: None,
+                    ..DrawRow::new(local, mesh.clone(), material.clone())
                 };
                 let stems = self.stems.get(&at.path().number_above());
                 match stems.filter(|_| fades && shows == Some(Kind::of::<Stem>())) {
@@ -138,13 +133,9 @@ impl Emitting<'_> {
             }
             RenderNode::Instances { mesh, material, transforms } => {
                 let row = DrawRow {
-                    local,
-                    mesh: mesh.clone(),
-                    material: material.clone(),
                     instances: Some(transforms.clone()),
                     range: self.limit(at, transforms.len()),
-                    cross_fade: None,
-                    follows: None,
+                    ..DrawRow::new(local, mesh.clone(), material.clone())
                 };
                 if fades && shows == Some(Kind::of::<Leaf>()) {
                     self.add_leaves(&row, transforms, range);

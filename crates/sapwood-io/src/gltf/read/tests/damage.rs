@@ -27,13 +27,8 @@ pub(super) fn written() -> DrawList {
     let image = Image::from_fn(4, 3, |x, y| [10 * x as u8, 10 * y as u8, 0, 60 * x as u8]);
     leaf.images.base_color = Some(Shared::new(image));
     let row = |material: Material, instances: Option<Vec<Affine3>>| DrawRow {
-        local: Affine3::IDENTITY,
-        mesh: SharedMesh::new(mesh.clone()),
-        material: material.into(),
         instances: instances.map(Shared::new),
-        range: None,
-        cross_fade: None,
-        follows: None,
+        ..DrawRow::new(Affine3::IDENTITY, SharedMesh::new(mesh.clone()), material.into())
     };
     let at = |x: f32| Affine3::from_translation(Vec3::new(x, 0.5, 0.0));
     let tree = Body {
