@@ -21,8 +21,8 @@ use sapwood::scene::{
 
 use super::trees::*;
 
-/// How high a tree is in pictures that are compared, in rows: as its images, and as in a picture of 1000
-/// rows that shows 60 degrees, from 600 m.
+/// How high a tree is in pictures that are compared, in rows: as its images, and as in a picture of
+/// 1000 rows that shows 60 degrees, from 600 m.
 const LARGE: u32 = 112;
 const SMALL: u32 = 20;
 
@@ -106,8 +106,8 @@ fn middle(image: &Image) -> Vec2 {
     sum / n
 }
 
-/// From 600 m, beside the tree itself: the impostor is the farthest of two levels of detail. Covered
-/// pixels and each channel of the mean colour may differ by 5 %.
+/// From 600 m, beside the tree itself: the impostor is the farthest of two levels of detail.
+/// Covered pixels and each channel of the mean colour may differ by 5 %.
 fn check_like_the_tree(name: &str, options: ImpostorOptions, from: &[Vec3], rows: u32) {
     // Check mode would compile all of it for each picture.
     let mut tree = planted_in(Scene::new(), &built_in(name), 1);

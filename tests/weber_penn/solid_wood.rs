@@ -1,5 +1,5 @@
-//! Wood welded to one solid: nothing is wrong with its surface, all tips are there, it has the volume
-//! of its stems, nothing hangs in the air; and what was joined is kept.
+//! Wood welded to one solid: nothing is wrong with its surface, all tips are there, it has the
+//! volume of its stems, nothing hangs in the air; and what was joined is kept.
 
 use sapwood::geom::glam::Vec3;
 use sapwood::geom::{Envelope, Mesh, Solid, Sphere, UnionWork};
@@ -57,7 +57,8 @@ fn check(species: &Species, seed: u64) {
 
 #[test]
 fn the_wood_of_trees_becomes_one_solid() {
-    // One with lobes, with splits on all levels, with stems that hardly taper, and with many trunks.
+    // One with lobes, with splits on all levels, with stems that hardly taper, and with many
+    // trunks.
     check(&built_in("palm"), 1);
     check(&sapling(), 1);
     check(&built_in("small_pine"), 1);
@@ -156,8 +157,8 @@ fn what_a_cut_leaves_is_counted_once_though_a_solid_comes_in_its_place() {
     assert!(weld.n_solids() > 10, "{}", weld.n_solids());
     let list = tree.scene.prune(tree.view, &prune, &prune_handlers(), 1_000_000).unwrap();
     let report = weld.join(&list, u64::MAX, &|_| true).unwrap().report;
-    // Whole solids are not made by the cut: there are fewer triangles than all of them have. Were both
-    // counted, as many again would be needed as are drawn.
+    // Whole solids are not made by the cut: there are fewer triangles than all of them have. Were
+    // both counted, as many again would be needed as are drawn.
     let most = drawn.max(report.n_triangles_before);
     assert!(gathered >= drawn && gathered <= most, "{drawn} drawn, {gathered} of {report:?}");
     assert!(10 * (gathered - drawn) < drawn, "{drawn} drawn, {gathered} gathered");

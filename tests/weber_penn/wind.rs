@@ -102,7 +102,8 @@ fn what_hangs_together_stays_together() {
                 positions[side[0] as usize].distance(positions[side[1] as usize])
             };
             let (before, after) = (length(&rest.mesh.positions), length(&swayed.mesh.positions));
-            // A ring does not lean with the one before it: by as much as it is wide, times the turn.
+            // A ring does not lean with the one before it: by as much as it is wide, times the
+            // turn.
             longest = longest.max(after - before);
         }
     }

@@ -160,9 +160,9 @@ pub(crate) struct TreeArguments {
         requires = "prune"
     )]
     pub(crate) prune_ratio: Option<f32>,
-    /// Draw each leaf as what a .glb, .gltf or .obj file shows: a leaf, a flower, a fruit. The file's origin
-    /// is where the stalk ends, +z leads along the leaf, +y is its upper side; it becomes as long as
-    /// the leaves of the species and keeps its proportions
+    /// Draw each leaf as what a .glb, .gltf or .obj file shows: a leaf, a flower, a fruit. The
+    /// file's origin is where the stalk ends, +z leads along the leaf, +y is its upper side; it
+    /// becomes as long as the leaves of the species and keeps its proportions
     #[arg(long, value_name = "FILE")]
     pub(crate) leaf_mesh: Option<PathBuf>,
     /// Draw leaves with an image, a PNG or JPEG with the tip at its upper edge. If parts of it are
@@ -190,9 +190,9 @@ pub(crate) struct GrowArguments {
     #[command(flatten)]
     pub(crate) tree: TreeArguments,
     /// Write a file; may be given several times, and all files are written or none: .glb, .gltf
-    /// (with a .bin) and .obj (with a .mtl) for surfaces and leaves, .svg for the skeleton or a map,
-    /// .png for a picture, .txt for a text; with --weld union also .stl for the wood, in metres, z
-    /// up
+    /// (with a .bin) and .obj (with a .mtl) for surfaces and leaves, .svg for the skeleton or a
+    /// map, .png for a picture, .txt for a text; with --weld union also .stl for the wood, in
+    /// metres, z up
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Vec<Output>,
     /// What to show of the tree
@@ -207,9 +207,9 @@ pub(crate) struct GrowArguments {
     /// Weld the wood before it is written; with --cut what is left of it
     #[arg(long, value_enum)]
     pub(crate) weld: Option<Weld>,
-    /// Draw what is left of the tree at this distance, in metres, as the paper has trees fade: fewer
-    /// leaves and branches, lines for tubes and triangles for leaves. Pictures are taken from there,
-    /// through a lens that has all of the tree in view unless --fov is given
+    /// Draw what is left of the tree at this distance, in metres, as the paper has trees fade:
+    /// fewer leaves and branches, lines for tubes and triangles for leaves. Pictures are taken from
+    /// there, through a lens that has all of the tree in view unless --fov is given
     #[arg(
         long,
         value_name = "METRES",
@@ -219,8 +219,8 @@ pub(crate) struct GrowArguments {
     )]
     pub(crate) range: Option<f32>,
     /// Take images of the tree from 25 sides and draw boards with them instead of it: in files the
-    /// one that faces an eye in front of the tree at --range, or else two crossed ones, each seen from
-    /// both sides; in pictures the one that faces the eye
+    /// one that faces an eye in front of the tree at --range, or else two crossed ones, each seen
+    /// from both sides; in pictures the one that faces the eye
     #[arg(
         long,
         value_name = "LIGHT",

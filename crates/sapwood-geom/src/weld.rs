@@ -77,8 +77,8 @@ impl Pieces {
         self.weld_telling().0
     }
 
-    /// As [`weld`](Self::weld); tells for each triangle which one of the pieces it was, in ascending
-    /// order.
+    /// As [`weld`](Self::weld); tells for each triangle which one of the pieces it was, in
+    /// ascending order.
     pub fn weld_telling(&self) -> (Mesh, Vec<u32>) {
         let planes = self.joint_planes();
         let mut points = Points { numbers: FixedMap::with_hasher(fixed_state()), sums: Vec::new() };

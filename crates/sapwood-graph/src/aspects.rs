@@ -19,10 +19,10 @@ pub struct Aspects {
     pub center: Vec3,
     /// How many of them, from the first one on, are drawn where nobody tells the eye, at most all.
     pub without_eye: u32,
-    /// Whether the nearest and the next fade into each other as the eye goes from the one's direction
-    /// to the other's. Lines do not, and picks and what fades with the distance take the nearest
-    /// alone. Files have the one with the larger share, of even ones that with the lower number. Cuts
-    /// have no eye, and so what is drawn [without one](Self::without_eye).
+    /// Whether the nearest and the next fade into each other as the eye goes from the one's
+    /// direction to the other's. Lines do not, and picks and what fades with the distance take the
+    /// nearest alone. Files have the one with the larger share, of even ones that with the lower
+    /// number. Cuts have no eye, and so what is drawn [without one](Self::without_eye).
     pub blends: bool,
 }
 
@@ -43,10 +43,11 @@ impl Aspects {
         nearest.map(|(number, _)| number)
     }
 
-    /// The aspects that are shown to an eye in the node's frame where they blend, each with the pixels
-    /// that it is drawn in; one is shown alone where it is much the nearest, and none that is seen from
-    /// behind is blended with it. Shares change steadily as the eye goes round a ring of directions.
-    /// They jump at places that are as far from three directions, as there are where it rises.
+    /// The aspects that are shown to an eye in the node's frame where they blend, each with the
+    /// pixels that it is drawn in; one is shown alone where it is much the nearest, and none that
+    /// is seen from behind is blended with it. Shares change steadily as the eye goes round a ring
+    /// of directions. They jump at places that are as far from three directions, as there are where
+    /// it rises.
     fn blended(&self, eye: Vec3) -> Option<[(u32, CrossFade); 2]> {
         let direction = (eye - self.center).try_normalize()?;
         // The three nearest; directions that are not there are as far as can be.
@@ -74,7 +75,8 @@ impl Aspects {
         Some(if lower { [(one, first), (other, second)] } else { [(other, first), (one, second)] })
     }
 
-    /// What is drawn of `n` triangles or instances, and in which pixels, for an eye in the node's frame.
+    /// What is drawn of `n` triangles or instances, and in which pixels, for an eye in the node's
+    /// frame.
     pub(crate) fn parts(&self, n: u32, eye: Option<Vec3>) -> DrawnParts {
         let each = n.checked_div(self.toward.len() as u32).unwrap_or(0);
         let Some(blended) = eye.filter(|_| self.blends).and_then(|eye| self.blended(eye)) else {
@@ -90,8 +92,8 @@ impl Aspects {
         }
     }
 
-    /// What is drawn of `n` triangles, instances or lines, for an eye in the node's frame, where only
-    /// one aspect can be.
+    /// What is drawn of `n` triangles, instances or lines, for an eye in the node's frame, where
+    /// only one aspect can be.
     pub fn drawn(&self, n: u32, eye: Option<Vec3>) -> DrawRange {
         let n_aspects = self.toward.len() as u32;
         let each = n.checked_div(n_aspects).unwrap_or(0);

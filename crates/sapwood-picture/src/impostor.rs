@@ -52,7 +52,8 @@ struct Kept {
 }
 
 impl Impostors {
-    /// The bytes that impostors may take where nobody says otherwise: those of some two hundred trees.
+    /// The bytes that impostors may take where nobody says otherwise: those of some two hundred
+    /// trees.
     pub const DEFAULT_BUDGET: u64 = 1 << 28;
 
     /// None so far.
@@ -81,8 +82,8 @@ impl Impostors {
     /// One that is there is found by a digest over the draw list, and costs what that costs.
     ///
     /// # Errors
-    /// When nothing is drawn, an option is out of its range, or compiling was cancelled or exhausted a
-    /// budget.
+    /// When nothing is drawn, an option is out of its range, or compiling was cancelled or
+    /// exhausted a budget.
     pub fn of(
         &mut self,
         provide: &mut dyn Provide,

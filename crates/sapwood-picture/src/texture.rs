@@ -70,8 +70,8 @@ impl Texture {
     /// The value at a texture coordinate, between the four pixels around it, where about
     /// `footprint` pixels in a row are seen as one.
     ///
-    /// Colours of a smaller image count as far as they cover. One of its pixels stands for many, and at an
-    /// edge for few that are there: those must not colour what lies further inside.
+    /// Colours of a smaller image count as far as they cover. One of its pixels stands for many,
+    /// and at an edge for few that are there: those must not colour what lies further inside.
     pub(crate) fn at(&self, uv: Vec2, footprint: f32) -> Vec4 {
         let level = if footprint > 1.0 { libm::ilogbf(1.5 * footprint).max(0) as usize } else { 0 };
         let level = level.min(self.smaller.len());

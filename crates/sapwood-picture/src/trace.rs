@@ -276,7 +276,8 @@ impl Chance {
         Self { of_path: number, own: None }
     }
 
-    /// The same with a number of its own, so that rays of one path do not meet all of them the same.
+    /// The same with a number of its own, so that rays of one path do not meet all of them the
+    /// same.
     pub(crate) fn with(self, own: f32) -> Self {
         Self { own: Some(own), ..self }
     }

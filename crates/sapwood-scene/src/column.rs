@@ -1,8 +1,8 @@
 //! Columns: the one type in which rows are stored.
 //!
 //! Rows are addressed by number and numbers are used again. They lie in pages, so that a column
-//! that grows moves none of its rows beyond the first page, and touches no memory twice. Everything goes through these few
-//! functions, so that pages can be shared when snapshots need cheap copies.
+//! that grows moves none of its rows beyond the first page, and touches no memory twice. Everything
+//! goes through these few functions, so that pages can be shared when snapshots need cheap copies.
 
 use std::any::Any;
 

@@ -1,15 +1,16 @@
 //! How like its tree a billboard is, for every built-in species.
 //!
 //! From 600 m, level, from 8 sides, through a telescope: by how many percent the covered pixels and
-//! the mean colour's worst channel differ from the tree's at most. *112 rows* and *20 rows*: so high
-//! is the larger of the tree's extents in the picture; 20 rows are what 14 m have there in a picture
-//! of 1000 rows that shows 60 degrees. *even*: boards and trees in white light from all sides, boards taken
-//! by `ImpostorLight::Even`.
+//! the mean colour's worst channel differ from the tree's at most. *112 rows* and *20 rows*: so
+//! high is the larger of the tree's extents in the picture; 20 rows are what 14 m have there in a
+//! picture of 1000 rows that shows 60 degrees. *even*: boards and trees in white light from all
+//! sides, boards taken by `ImpostorLight::Even`.
 //!
-//! *A degree on*: what changes in a picture of 20 rows when boards are seen from a degree further round,
-//! at most: the same two, and how much of what is covered is so before or after alone (*moved*). Beside
-//! it what moves when the tree itself is seen from a degree further, and from 22.5, as far as boards
-//! are apart: so much would move at once where one took the place of the next.
+//! *A degree on*: what changes in a picture of 20 rows when boards are seen from a degree further
+//! round, at most: the same two, and how much of what is covered is so before or after alone
+//! (*moved*). Beside it what moves when the tree itself is seen from a degree further, and from
+//! 22.5, as far as boards are apart: so much would move at once where one took the place of the
+//! next.
 //!
 //! Names of species after `--` take these alone; a number is the seed, else 1.
 

@@ -3,9 +3,9 @@
 //!
 //! *tips*: of the stems more than 2 mm thick, how many have their tip farther than 1 mm from the
 //! surface, and how many inside of another stem, where no surface is. *volume*: of the union,
-//! against that of a million random points of which each is looked for in every single stem. *afloat*:
-//! components that hold nothing of any trunk. *farthest*: by how much mending moved the surface at
-//! most. Names of species after `--` take these alone; a number is the seed, else 1.
+//! against that of a million random points of which each is looked for in every single stem.
+//! *afloat*: components that hold nothing of any trunk. *farthest*: by how much mending moved the
+//! surface at most. Names of species after `--` take these alone; a number is the seed, else 1.
 //!
 //! With the word `edit`, how long it takes to join a tree again after a wall beside it has come so
 //! near that a branch is shortened, with what was joined before kept.

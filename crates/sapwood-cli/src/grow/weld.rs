@@ -61,8 +61,8 @@ pub(super) fn stems(
     Ok(weld.welded(list).0)
 }
 
-/// The list with one closed surface in the place of all stems; of what a cut leaves, if there is one:
-/// the list must be cut then.
+/// The list with one closed surface in the place of all stems; of what a cut leaves, if there is
+/// one: the list must be cut then.
 pub(super) fn union(
     scene: &mut Scene,
     view: ViewId,

@@ -152,14 +152,14 @@ impl Unions {
     /// in the order in which groups hold them. Solids may cross themselves and each other; what is
     /// inside any of them is inside the union. Empty solids are left out.
     ///
-    /// Corners keep their places but for those where surfaces crossed, which are moved by less than a
-    /// millimetre altogether, nearly always by less than a hundredth of that. The result follows from solids and groups alone, not from what was
-    /// kept, nor from the number of threads.
+    /// Corners keep their places but for those where surfaces crossed, which are moved by less than
+    /// a millimetre altogether, nearly always by less than a hundredth of that. The result follows
+    /// from solids and groups alone, not from what was kept, nor from the number of threads.
     ///
     /// `goes_on` is told the step every now and then, and ends the work where it answers no. Needs
-    /// about one kilobyte for each triangle; neither the solids nor what comes of them may have more
-    /// than `max_triangles`. What was kept and is
-    /// no group here is forgotten; where the work ends early nothing is.
+    /// about one kilobyte for each triangle; neither the solids nor what comes of them may have
+    /// more than `max_triangles`. What was kept and is no group here is forgotten; where the work
+    /// ends early nothing is.
     ///
     /// # Errors
     /// See [`UnionError`].

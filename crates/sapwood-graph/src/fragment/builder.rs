@@ -61,8 +61,8 @@ impl FragmentBuilder {
         self.open(Code::Fading(i));
     }
 
-    /// Opens a node under which one aspect, or two that blend, are drawn of what this fragment draws
-    /// up to the matching [`close`](Self::close).
+    /// Opens a node under which one aspect, or two that blend, are drawn of what this fragment
+    /// draws up to the matching [`close`](Self::close).
     pub fn open_aspects(&mut self, aspects: Aspects) {
         let i = number_of(&mut self.drawn().aspects, aspects);
         self.open(Code::Aspects(i));

@@ -27,9 +27,9 @@ pub struct ImpostorOptions {
 /// The light that images are taken in.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ImpostorLight {
-    /// This light and that of lights in the view, which images then show whatever light falls on the
-    /// boards: they shine by themselves. Looks right under that light, and where the impostor stands
-    /// as it was made.
+    /// This light and that of lights in the view, which images then show whatever light falls on
+    /// the boards: they shine by themselves. Looks right under that light, and where the impostor
+    /// stands as it was made.
     Baked {
         /// The sun.
         sun: Option<Sun>,
@@ -39,8 +39,8 @@ pub enum ImpostorLight {
     /// White light from all sides alike, [`Sky::even`], and no other: images show the surfaces' own
     /// colours, and the shade that they throw on each other. In that light a board looks as what it
     /// stands for does. It is lit by whatever light there is, as boards are: in a light of another
-    /// colour it has that colour, and under a sun it is as bright as its slope to the sun has it, and
-    /// has no side in the shade.
+    /// colour it has that colour, and under a sun it is as bright as its slope to the sun has it,
+    /// and has no side in the shade.
     Even,
 }
 

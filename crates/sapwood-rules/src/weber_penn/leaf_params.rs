@@ -6,8 +6,8 @@ use sapwood_geom::{SharedMesh, content};
 use super::params::grouping;
 use super::{CrownShape, LeafShape, LeafTarget, LeavesSpec, OwnLeafImage, Species};
 
-/// How far built-in shapes reach: half their width is the most by which they are off the midrib, and
-/// what stands for them from afar may be 1.2 times their width off that.
+/// How far built-in shapes reach: half their width is the most by which they are off the midrib,
+/// and what stands for them from afar may be 1.2 times their width off that.
 const REACH: Vec3 = Vec3::new(1.2, 0.5, 1.0);
 
 /// How far leaves of a species reach before they are made long and wide.
@@ -156,8 +156,8 @@ impl LeafParams {
         self.stem_len * self.length()
     }
 
-    /// The length of a leaf in metres; thinning by quality keeps the total area. Leaves of a fan are
-    /// not thinned, and so they are no larger.
+    /// The length of a leaf in metres; thinning by quality keeps the total area. Leaves of a fan
+    /// are not thinned, and so they are no larger.
     pub fn length(&self) -> f32 {
         if self.count < 0 { self.scale } else { self.scale / self.quality.sqrt() }
     }

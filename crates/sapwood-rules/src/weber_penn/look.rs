@@ -94,8 +94,8 @@ pub struct LeafLook {
     pub translucency: f32,
     /// How wide a leaf is against its length.
     pub width: f32,
-    /// How far normals follow the crown instead of each leaf: 0 not at all, 1 fully. Above 0 leaves are
-    /// written out one by one, instead of being instances of one mesh.
+    /// How far normals follow the crown instead of each leaf: 0 not at all, 1 fully. Above 0 leaves
+    /// are written out one by one, instead of being instances of one mesh.
     pub roundness: f32,
     /// What leaves are drawn with instead, where they have a mesh or an image of somebody's own.
     pub own: Option<Arc<Material>>,

@@ -1,9 +1,9 @@
 //! What growth reads, made from a species: radians, and split so that an edit reaches no more
 //! than it must.
 //!
-//! One value for the whole tree, one per level, one for the leaves and one for the trunk's
-//! surface. A parameter of the leaves changes [`LeafParams`](super::LeafParams) alone; one of level n changes the
-//! [`Level`] n alone, and the leaves if they take their angles from there.
+//! One value for the whole tree, one per level, one for the leaves and one for the trunk's surface.
+//! A parameter of the leaves changes [`LeafParams`](super::LeafParams) alone; one of level n
+//! changes the [`Level`] n alone, and the leaves if they take their angles from there.
 
 use glam::{Affine3, Vec3};
 use sapwood_geom::{Envelope, content};

@@ -1,9 +1,9 @@
 //! The rules that compile trees.
 //!
-//! [`full`] makes surfaces and leaves. Over it lie, from the same stems, [`skeleton`], which draws lines
-//! instead, [`segments`], which draws each segment by itself, [`fading`], which draws less of
-//! everything from afar, [`swaying`], which has what these two draw sway in the wind, and [`map`] and
-//! [`text`], which tell of trees as a whole.
+//! [`full`] makes surfaces and leaves. Over it lie, from the same stems, [`skeleton`], which draws
+//! lines instead, [`segments`], which draws each segment by itself, [`fading`], which draws less of
+//! everything from afar, [`swaying`], which has what these two draw sway in the wind, and [`map`]
+//! and [`text`], which tell of trees as a whole.
 
 mod fading;
 mod geometry;
@@ -49,17 +49,17 @@ pub fn segments() -> RuleSet {
 }
 
 /// Trees of which less is drawn the further away they are from the view's
-/// [`Viewer`](sapwood_scene::Viewer), as [`FadingSlot`](super::FadingSlot) says; stems are shared with
-/// [`full`]. Polygons give way to lines of the bark's
-/// material, and those of leaves to triangles.
+/// [`Viewer`](sapwood_scene::Viewer), as [`FadingSlot`](super::FadingSlot) says; stems are shared
+/// with [`full`]. Polygons give way to lines of the bark's material, and those of leaves to
+/// triangles.
 pub fn fading() -> RuleSet {
     RuleSet::new().with(fading::FadingSurfaceRule).with(fading::FadingLeavesRule).over(&full())
 }
 
 /// A layer over [`full`] or [`fading`] by which trees sway in the view's wind
 /// ([`WindSlot`](sapwood_scene::WindSlot)) as time goes by, as [`SwaySlot`](super::SwaySlot) says:
-/// what is drawn stands at rest, with joints that [`Poses`](sapwood_graph::Poses) move. Lines do not
-/// sway.
+/// what is drawn stands at rest, with joints that [`Poses`](sapwood_graph::Poses) move. Lines do
+/// not sway.
 pub fn swaying() -> RuleSet {
     RuleSet::new()
         .with(swaying::SwayingTreeRule)

@@ -1,5 +1,5 @@
-//! Batches: the `init`s of a batch run side by side, while what came of those of the batch before is
-//! published in order.
+//! Batches: the `init`s of a batch run side by side, while what came of those of the batch before
+//! is published in order.
 //!
 //! Rules are pure, so they may run ahead of their turn, on any thread. Everything else is done
 //! in the order of the wants, as if nothing had run ahead, and so comes out the same whatever the
@@ -67,8 +67,8 @@ impl AboutToBeMade {
 }
 
 impl Ahead {
-    /// What it came to, if it ran for this component in this environment and lacked nothing: what it
-    /// lacked may be there by now.
+    /// What it came to, if it ran for this component in this environment and lacked nothing: what
+    /// it lacked may be there by now.
     pub(super) fn outcome_for(
         self,
         target: Target,

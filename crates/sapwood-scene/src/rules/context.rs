@@ -1,5 +1,5 @@
-//! The context of `init`: what a rule reads from and builds with. How it comes by ingredients stands
-//! in `ingredient.rs`, what it draws with in `drawing.rs`.
+//! The context of `init`: what a rule reads from and builds with. How it comes by ingredients
+//! stands in `ingredient.rs`, what it draws with in `drawing.rs`.
 
 mod drawing;
 mod ingredient;

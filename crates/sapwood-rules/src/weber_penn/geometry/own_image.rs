@@ -1,5 +1,5 @@
-//! An image of somebody's own on leaves: what its pixels tell, the card that it is shown on, and its
-//! material. Where it comes from is left to others.
+//! An image of somebody's own on leaves: what its pixels tell, the card that it is shown on, and
+//! its material. Where it comes from is left to others.
 
 use glam::{Vec2, Vec3};
 use sapwood_geom::{Image, Mesh, Shared};
@@ -11,8 +11,8 @@ use crate::weber_penn::look::BESIDE_MIDRIB;
 /// Coverage below this is cut out of an image.
 const CUT_OUT: u8 = 128;
 
-/// An image that stands for the painted one of leaves. Its upper edge is the leaf's tip; pixels that
-/// are less than half covered are cut out.
+/// An image that stands for the painted one of leaves. Its upper edge is the leaf's tip; pixels
+/// that are less than half covered are cut out.
 ///
 /// All of its pixels are looked at when it is made, and never again: species are edited often.
 #[derive(Clone, Debug, PartialEq)]

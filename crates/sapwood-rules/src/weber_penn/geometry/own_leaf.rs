@@ -1,4 +1,5 @@
-//! A mesh of somebody's own instead of a built-in leaf shape. Where it comes from is left to others.
+//! A mesh of somebody's own instead of a built-in leaf shape. Where it comes from is left to
+//! others.
 
 use std::fmt;
 use std::sync::Arc;

@@ -43,8 +43,8 @@ pub fn surface<E>(
     segmented_surface(stems, form, detail, bark_width, charge, None)
 }
 
-/// As [`surface`]; `segments` is told the segment that each vertex belongs to: a ring belongs to the
-/// segment that ends with it, as does what is between the two.
+/// As [`surface`]; `segments` is told the segment that each vertex belongs to: a ring belongs to
+/// the segment that ends with it, as does what is between the two.
 ///
 /// # Errors
 /// The first refusal of `charge`.

@@ -94,10 +94,10 @@ impl Limit {
 /// length: 1 leaves it as it is, 0 gives it up.
 ///
 /// Limits with a ratio below 1 come first, one after the other, and blend the shares by it; then
-/// all that hold fully at once, so that what one of them shortens does not leave another. Nothing is
-/// grown for stems that lie wholly to one side of each envelope. `level`, `target` and `charge` are
-/// those of [`grow`], which is asked twice for the others, and more often where stems turn toward a
-/// point.
+/// all that hold fully at once, so that what one of them shortens does not leave another. Nothing
+/// is grown for stems that lie wholly to one side of each envelope. `level`, `target` and `charge`
+/// are those of [`grow`], which is asked twice for the others, and more often where stems turn
+/// toward a point.
 pub fn fit<E>(
     seeds: &[StemSeed],
     crown: &Crown,
@@ -204,8 +204,8 @@ impl Trial<'_> {
         self.limits.iter().copied().filter(|limit| !self.stand || limit.holds_trunks)
     }
 
-    /// On which side of the limits a stem lies; what stands outside from its foot as a trunk does is
-    /// as good as inside.
+    /// On which side of the limits a stem lies; what stands outside from its foot as a trunk does
+    /// is as good as inside.
     fn side_of(&self, seed: &StemSeed) -> Side {
         // Segments end within the stem's length of its base.
         let reach = Sphere { center: seed.frame.origin, radius: 1.001 * seed.length };

@@ -1,9 +1,8 @@
 //! Growth: pure functions from parameters and a parent's facts to stems, segments and leaves.
 //!
-//! [`trunks`] seeds the trunks, [`grow`] makes stems of seeds, [`children`] seeds the next level
-//! on them, [`roots`] those below, and [`leaves`] ends on the last. [`fit`] tells how long stems may be under an envelope,
-//! [`foreseen`] how far a whole tree may reach.
-//! Everything is in tree space.
+//! [`trunks`] seeds the trunks, [`grow`] makes stems of seeds, [`children`] seeds the next level on
+//! them, [`roots`] those below, and [`leaves`] ends on the last. [`fit`] tells how long stems may
+//! be under an envelope, [`foreseen`] how far a whole tree may reach. Everything is in tree space.
 
 mod attraction;
 mod children;

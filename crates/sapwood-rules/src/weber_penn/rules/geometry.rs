@@ -199,8 +199,8 @@ pub(super) struct LeafMeshes {
 content!(LeafMeshes { whole, point, is_closed });
 
 impl LeafMeshes {
-    /// Whether either side of a leaf may be turned outward: of bodies, and of what has one side alone,
-    /// the other would be seen from within.
+    /// Whether either side of a leaf may be turned outward: of bodies, and of what has one side
+    /// alone, the other would be seen from within.
     pub(super) fn turn_with(&self, foliage: &Material) -> bool {
         !self.is_closed && foliage.double_sided
     }

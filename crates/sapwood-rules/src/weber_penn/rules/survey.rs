@@ -1,7 +1,7 @@
 //! Trees as a whole, for rules that tell of them instead of drawing them.
 //!
-//! The tree is compiled into one [`TreeSurvey`], and that asks for branches, twigs and what grows on
-//! them as ingredients: the very plans that views have which draw the tree. What is made of the
+//! The tree is compiled into one [`TreeSurvey`], and that asks for branches, twigs and what grows
+//! on them as ingredients: the very plans that views have which draw the tree. What is made of the
 //! survey stands in `map` and `text`.
 
 use glam::Mat3;

@@ -293,8 +293,8 @@ impl Default for LeavesSpec {
 }
 
 impl LeavesSpec {
-    /// Whether they have proportions of their own, which a `scale_x` of 1 keeps: those of a mesh, or
-    /// of an image that is cut out.
+    /// Whether they have proportions of their own, which a `scale_x` of 1 keeps: those of a mesh,
+    /// or of an image that is cut out.
     pub fn has_own_proportions(&self) -> bool {
         self.mesh.is_some() || self.image.as_ref().is_some_and(|own| own.image.is_cut_out())
     }

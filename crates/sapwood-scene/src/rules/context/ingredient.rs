@@ -26,9 +26,9 @@ impl<'a> Context<'a> {
     /// is done, and pass errors on.
     ///
     /// # Errors
-    /// When no rule serves the kind, when its rule failed or makes data of another type. Ingredients
-    /// may have ingredients, up to 16 above each other, and a component up to 256 of its own;
-    /// beyond, it fails whatever its rule makes of the error.
+    /// When no rule serves the kind, when its rule failed or makes data of another type.
+    /// Ingredients may have ingredients, up to 16 above each other, and a component up to 256 of
+    /// its own; beyond, it fails whatever its rule makes of the error.
     pub fn ingredient<D: Any>(&mut self, component: impl Component) -> Result<&'a D, RuleError> {
         let plan = self.ingredient_plan(component)?;
         let failed = |why: String| RuleError::Failed(format!("ingredient {}: {why}", plan.kind()));
